@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.base.arguments import show_value
 from voxshell.base.input_files import read_small_file
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import PoseError, SettingsError
@@ -21,6 +23,9 @@ FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, 
 """The numbers that a pose consists of."""
 
 _WHAT = "file of poses"
+
+_SEPARATOR = re.compile(r"[\s;]+")
+"""What may separate numbers in files that are not CSV."""
 
 _MOST_BYTES = 500_000_000
 """Largest file of poses, bytes: four million matrices of text."""
@@ -53,11 +58,12 @@ def read_poses(path: Path) -> NDArray[np.float64]:
 
     Args:
         path: A ``.npy`` file with an array (n, 4, 4) or rows of :data:`FORMS`; or a ``.csv`` file
-            with such rows, of which the first may be a heading.
+            with such rows. Its first line is a heading if none of its words is a number.
 
     Raises:
         MissingFileError: The file does not exist.
-        SettingsError: The file cannot be read or has another format; the message gives the line.
+        SettingsError: The file cannot be read or has another format; the message gives line and
+            column.
         PoseError: A row is not a pose.
     """
     rows = _read_array(path) if path.suffix.lower() == ".npy" else _read_table(path)
@@ -92,16 +98,25 @@ def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
         raise SettingsError(f"{path} is not a CSV file: {error}") from None
     rows: list[tuple[str, ArrayLike]] = []
     for number, words in enumerate(lines, start=1):
-        try:
-            if any("_" in word for word in words):
-                raise ValueError
-            values = [float(word) for word in words]
-        except ValueError:
-            if number == 1:
-                continue
+        wrong = next((index for index, word in enumerate(words) if not _is_number(word)), None)
+        if wrong is None:
+            if words:
+                rows.append((f"{path}:{number}", [*map(float, words)]))
+        elif number > 1 or any(
+            _is_number(each) for word in words for each in _SEPARATOR.split(word)
+        ):
+            crowded = len(_SEPARATOR.split(words[wrong].strip())) > 1
             raise SettingsError(
-                f"{path}:{number}: not all entries are numbers: {str(words)[:80]}"
-            ) from None
-        if values:
-            rows.append((f"{path}:{number}", values))
+                f"{path}:{number}: not all entries are numbers: column {wrong + 1} is "
+                f"{show_value(words[wrong])}{'; separate numbers with commas' if crowded else ''}"
+            )
     return rows
+
+
+def _is_number(word: str) -> bool:
+    """Return whether a word is a number; Python would also take underscores."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return "_" not in word

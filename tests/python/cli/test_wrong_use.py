@@ -70,6 +70,14 @@ COMMANDS = [
     ("query cone.vxs cone.vxs --pose 0 0 0 --poses poses.csv", "either pose or poses"),
     ("query cone.vxs cone.vxs --poses missing.csv", "cannot read missing.csv: it does not exist"),
     ("query cone.vxs cone.vxs --poses poses.csv", "poses.csv:3: not all entries are numbers"),
+    (
+        "query cone.vxs cone.vxs --poses typo.csv",
+        "typo.csv:1: not all entries are numbers: column 3 is 'O.01'",
+    ),
+    (
+        "query cone.vxs cone.vxs --poses spaces.csv",
+        "spaces.csv:1: not all entries are numbers: column 1 is '0 0 0.01'; separate numbers with commas",
+    ),
     ("query cone.vxs cone.vxs --poses short.csv", "short.csv:2 must be 3"),
     ("query cone.vxs cone.vxs --poses none.csv", "none.csv holds no poses"),
     ("query cone.vxs cone.vxs --poses flat.npy", "flat.npy must hold an array of numbers"),
@@ -313,6 +321,8 @@ def things(tmp_path_factory, cone_path, cone_model_path):
     text = (folder / "beyond.ply").read_text()
     (folder / "beyond.ply").write_text(text.replace("\n3 1 3 0", "\n3 1 999 0"))
     (folder / "poses.csv").write_text("x,y,z\n0,0,1\n0,zero,1\n")
+    (folder / "typo.csv").write_text("0,0,O.01\n0,0,0.02\n")
+    (folder / "spaces.csv").write_text("0 0 0.01\n")
     (folder / "short.csv").write_text("0,0,1\n0,1\n")
     (folder / "none.csv").write_text("x,y,z\n")
     np.save(folder / "flat.npy", np.zeros(3))

@@ -87,7 +87,8 @@ def test_a_stopped_recorder_takes_no_more_frames():
     second.stop()
     second.stop()
     world.step(2)
-    assert first.stopped and second.stopped
+    assert first.stopped
+    assert second.stopped
     assert first.recording().frame_count == 4
     assert second.recording().frame_count == 6
     assert repr(second) == "Recorder(frames=6, bodies=1, time_step=0.005 s, stopped)"
