@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats
+from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.base.poses import pose as make_pose
 from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
@@ -42,10 +42,10 @@ def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArra
 
     Raises:
         InputTypeError: ``world`` is not a world.
-        PoseError: ``pose`` is not a rigid transform.
+        PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: ``friction`` is out of range.
     """
-    world_from_file = np.eye(4) if pose is None else as_floats(pose, "pose", (4, 4), PoseError)
+    world_from_file = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
     if not isinstance(world, World):
         raise InputTypeError(f"world must be a World, not {type(world).__name__}")
     World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_file, friction=friction)

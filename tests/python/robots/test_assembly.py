@@ -93,6 +93,10 @@ def test_nothing_is_left_of_a_robot_that_fails():
 def test_arguments_are_checked_before_the_file():
     world = vx.World()
     assert check_place(world, None, 0.5).tolist() == np.eye(4).tolist()
+    turned = vx.pose((0, 0, 1), xyzw=(0, 0, 1, 0))
+    for form in (turned, (0, 0, 1, 0, 0, 1, 0), ((0, 0, 1), (0, 0, 1, 0))):
+        assert check_place(world, form, 0.5).tolist() == turned.tolist()
+    assert check_place(world, (0, 0, 1), 0.5).tolist() == vx.pose((0, 0, 1)).tolist()
     with pytest.raises(vx.InputTypeError, match="world must be a World, not str"):
         check_place("world", None, 0.5)
     with pytest.raises(vx.PoseError):

@@ -59,7 +59,8 @@ def load_mjcf(
         world: The world.
         path: The file's path. Meshes and included files are searched relative to its folder, and to
             that of the file that names them.
-        pose: (4, 4) ``world_from_file``; the identity by default.
+        pose: ``world_from_file``, in any form that :func:`pose` lists; the identity by
+            default.
         voxel_size: Voxel size of the models, meters; at most a geom's longest side.
         resolution: Alternative to ``voxel_size``: voxels along the longest side of each model. The
             default is 100.
@@ -79,7 +80,7 @@ def load_mjcf(
         RobotError: The file cannot be simulated; the message names the file, the line, the body or
             geom, and a remedy.
         SettingsError: A setting is out of range.
-        PoseError: ``pose`` is not a rigid transform.
+        PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         MemoryLimitError: A model would be too large.
         InputTypeError: ``world`` is not a world, or ``path`` is not a path.
 

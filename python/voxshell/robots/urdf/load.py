@@ -45,7 +45,8 @@ def load_urdf(
         world: The world.
         path: The file's path. Meshes are searched from its folder upward, those of ``package://``
             with and without the name of the package, and in the folders of ``ROS_PACKAGE_PATH``.
-        pose: (4, 4) ``world_from_root`` of the root link; the identity by default.
+        pose: ``world_from_root`` of the root link, in any form that :func:`pose` lists; the identity by
+            default.
         fixed_base: Fix the root to the world; then it needs no mass.
         voxel_size: Voxel size of the models, meters; at most a link's longest side.
         resolution: Alternative to ``voxel_size``: voxels along the longest side of each model.
@@ -65,7 +66,7 @@ def load_urdf(
         RobotError: The file cannot be simulated; the message names the file, the line, the link or
             joint, and a remedy.
         SettingsError: A setting is out of range.
-        PoseError: ``pose`` is not a rigid transform.
+        PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         MemoryLimitError: A model would be too large.
         InputTypeError: ``world`` is not a world, or ``path`` is not a path.
 
