@@ -83,6 +83,7 @@ def info(
         described, facts = _describe_mesh(mesh, file)
         if scale is None and (doubt := doubt_unit(file, mesh.vertices)):
             facts.append(("hint", doubt))
+            described["hint"] = doubt
         described = {"kind": "mesh"} | described
     estimates = _measure(mesh, console_quiet=json_only) if advise else []
     if json_only:

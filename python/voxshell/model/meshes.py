@@ -56,6 +56,11 @@ class Mesh(NamedTuple):
 _LONG = 10.0
 """A mesh longer than this, in meters, is probably in millimeters."""
 
+_REMEDY_FOR_UNITS = (
+    "pass Model.from_mesh(..., scale=0.001), write scale = 0.001 in a scene file, or give a command --scale "
+    "0.001; scale=1 accepts the size"
+)
+
 
 def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     """Return the arrays of a mesh after checking types, shapes, finite numbers and indices.
@@ -117,12 +122,15 @@ def _read_unit(mesh: Any) -> float:
     return float(f"{unit:.12g}")  # trimesh converts by way of inches
 
 
-def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
+def doubt_unit(
+    mesh: MeshLike, vertices: NDArray[np.float64], remedy: str = _REMEDY_FOR_UNITS
+) -> str:
     """Return why a mesh that was read without a scale is probably not in meters; else "".
 
     Args:
         mesh: The mesh; only files whose format states no unit are doubted.
         vertices: (n, 3), as read.
+        remedy: How to set the scale.
     """
     if not isinstance(mesh, (str, os.PathLike)) or len(vertices) == 0:
         return ""
@@ -132,7 +140,7 @@ def doubt_unit(mesh: MeshLike, vertices: NDArray[np.float64]) -> str:
         return ""
     return (
         f"{shorten_path(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
-        "millimeters, pass Model.from_mesh(..., scale=0.001) or --scale 0.001; scale=1 accepts the size"
+        f"millimeters, {remedy}"
     )
 
 

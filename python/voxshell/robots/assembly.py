@@ -10,6 +10,7 @@ from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.base.poses import pose as make_pose
 from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
+from voxshell.model.meshes import MeshWarning
 from voxshell.model.shapes import Sphere
 from voxshell.robots.description import RobotDescription, shorten_names
 from voxshell.robots.matter import DENSITY, GHOST_MASS, Matter
@@ -198,7 +199,9 @@ class Assembly:
                 )
 
     def warn(self) -> None:
-        """Warn once about what was missing in the file, and what is not simulated."""
+        """Warn once about what was missing in the file, what is not simulated, and doubtful units."""
+        for doubt in self._robot.doubts:
+            warn_user(doubt, MeshWarning)
         robot, matter = self._robot, self._matter
         efforts = {joint.name: joint.effort for joint in robot.joints}
         weak = [

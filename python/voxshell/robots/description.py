@@ -35,10 +35,17 @@ Affine: TypeAlias = tuple[tuple[float, float, float, float], ...]
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh file that was found, with the transform and scale of its points."""
+    """A mesh file that was found.
+
+    Attributes:
+        path: Its path.
+        geometry_from_file: The transform and scale of its points.
+        has_scale: True if the robot's file states the scale.
+    """
 
     path: str
     geometry_from_file: Affine
+    has_scale: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +164,7 @@ class RobotDescription:
         links: All links, by name.
         joints: All joints, each before those of its child.
         without_limits: Joints that need limits, but have none in the file.
+        doubts: Why meshes are probably not in meters, a text for each.
         flat: Links with a collision mesh in a plane, and the thickness that it was given, meters.
         left_out: Contents of the file that are not simulated.
     """
@@ -167,6 +175,7 @@ class RobotDescription:
     links: dict[str, LinkDescription]
     joints: list[JointDescription] = field(default_factory=list)
     without_limits: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
     flat: dict[str, float] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
-from voxshell.model.meshes import Mesh
+from voxshell.model.meshes import Mesh, doubt_unit
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from voxshell.robots.description import MeshArrays, MeshFile, Primitive
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from voxshell.robots.lumps import Lump
 
 _DEFAULT_RESOLUTION = 100
+
+_REMEDY_FOR_UNITS = (
+    'give the mesh scale="0.001 0.001 0.001" in the robot\'s file; "1 1 1" accepts the size'
+)
 
 _ELLIPSOID_SUBDIVISIONS = 4
 """Subdivisions of an ellipsoid's mesh: 5120 triangles, within 0.06 % of its largest radius."""
@@ -116,6 +120,10 @@ class Shaper:
         self, link: str, file: MeshFile | MeshArrays, place: NDArray[np.float64]
     ) -> tuple[Part, Sheet | None]:
         mesh = read_link_mesh(self._robot.links[link].owner, file)
+        if isinstance(file, MeshFile) and not file.has_scale:
+            doubt = doubt_unit(file.path, mesh.vertices, _REMEDY_FOR_UNITS)
+            if doubt and doubt not in self._robot.doubts:
+                self._robot.doubts.append(doubt)
         mesh = Mesh(mesh.vertices @ place[:3, :3].T + place[:3, 3], mesh.faces)
         sheet = find_sheet(mesh)
         try:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import MemoryLimitError
-from voxshell.model.meshes import read_mesh
+from voxshell.model.meshes import MeshWarning, doubt_unit, read_mesh
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
@@ -109,6 +110,8 @@ def _build_mesh(
         return Model.from_mesh(path, scale=settings.scale, progress=progress, **sizes)
     progress("read", 0.0)
     scaled = read_mesh(path, settings.scale)
+    if settings.scale is None and (doubt := doubt_unit(path, scaled.vertices)):
+        warn_user(doubt, MeshWarning)
     return GImpact(scaled) if settings.collide_as == "gimpact" else ConvexHull(scaled.vertices)
 
 

@@ -155,3 +155,10 @@ def test_advice_is_printed_and_can_be_followed(voxshell, cone_path, tmp_path, mo
     assert [each["measured"] for each in told["estimates"]] == [True, False]
     size = vx.Model.load(tmp_path / "cone.vxs").field.voxel_size
     assert told["recommended"]["voxel_size"] == pytest.approx(size, rel=1e-3)
+
+
+def test_a_long_mesh_is_doubted_in_json_too(voxshell, tmp_path):
+    path = tmp_path / "part.stl"
+    trimesh.creation.box((80, 60, 20)).export(path)
+    assert "80 m long" in voxshell("info", path, "--json").json["hint"]
+    assert "hint" not in voxshell("info", path, "--json", "--scale", 1).json

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 import trimesh
@@ -63,3 +65,27 @@ def test_a_mesh_without_a_volume_is_refused_by_link_and_line():
 def test_settings_are_checked(wrong):
     with pytest.raises(vx.VoxshellError, match=next(iter(wrong))):
         shape_of(**wrong)
+
+
+def test_a_long_mesh_without_a_scale_is_doubted_once(tmp_path):
+    path = tmp_path / "part.stl"
+    trimesh.creation.box((80, 60, 20)).export(path)
+    mesh = '<collision><geometry><mesh filename="part.stl"/></geometry></collision>'
+    robot = tmp_path / "robot.urdf"
+    robot.write_text(f'<robot name="r"><link name="a">{mesh}{mesh}</link></robot>')
+    with pytest.warns(
+        vx.MeshWarning, match=r'80 m long.*scale="0\.001 0\.001 0\.001" in the robot'
+    ) as said:
+        vx.load_urdf(vx.World(), robot, mesh_as="hull")
+    assert len(said) == 1
+    robot.write_text(robot.read_text().replace('.stl"', '.stl" scale="1 1 1"'))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vx.load_urdf(vx.World(), robot, mesh_as="hull")
+    model = tmp_path / "model.xml"
+    body = '<body><freejoint/><geom type="mesh" mesh="part"/></body>'
+    model.write_text(
+        f'<mujoco><asset><mesh file="part.stl"/></asset><worldbody>{body}</worldbody></mujoco>'
+    )
+    with pytest.warns(vx.MeshWarning, match="80 m long"):
+        vx.load_mjcf(vx.World(), model, mesh_as="hull")

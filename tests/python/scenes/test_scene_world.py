@@ -75,3 +75,11 @@ def test_a_missing_mesh_is_said_at_its_line(tmp_path: Path):
     message = r"scene\.toml:2: meshes\.part\.file: cannot read .*part\.stl: it does not exist"
     with pytest.raises(vx.SettingsError, match=message):
         build(tmp_path, MESH + BODY)
+
+
+@pytest.mark.parametrize("kind", ["model", "hull", "gimpact"])
+def test_a_long_mesh_is_doubted_with_the_key_that_scales_it(tmp_path: Path, kind: str):
+    trimesh.creation.box((80, 60, 20)).export(tmp_path / "part.stl")
+    keys = f'collide_as = "{kind}"\n' if kind != "model" else "resolution = 20\n"
+    with pytest.warns(vx.MeshWarning, match=r"80 m long.*scale = 0\.001 in a scene file"):
+        build(tmp_path, MESH + keys + BODY)

@@ -87,6 +87,7 @@ def load_mjcf(
     Warns:
         RobotWarning: The file contains something that is not simulated, or lacks a mass. The
             message lists it.
+        MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 
     After an exception, the world has none of the file's bodies.
 

@@ -120,12 +120,13 @@ class Meshes:
                 f"has a file {file_name[:200]!r} that is missing; put it where meshdir points, relative to "
                 "the model's folder"
             )
+        file = MeshFile(path, affine, has_scale="scale" in element.attributes)
         if path.lower().endswith(".msh"):
             try:
                 return MeshArrays(path, _move(read_msh(path), affine))
             except MeshError as error:
-                refuse_mesh(self._owner(name), MeshFile(path, affine), error)
-        return MeshFile(path, affine)
+                refuse_mesh(self._owner(name), file, error)
+        return file
 
     def _make_inline(
         self, name: str, element: Element, vertices: list[float], affine: Affine

@@ -73,6 +73,7 @@ def load_urdf(
     Warns:
         RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, or the
             effort of a joint that mimics another. The message says what was used instead.
+        MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 
     After an exception, the world has none of the robot's bodies.
 

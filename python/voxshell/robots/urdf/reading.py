@@ -277,7 +277,8 @@ def _read_mesh_name(mesh: Element) -> MeshFile:
     x, y, z = scales if len(scales) == 3 else scales * 3
     if not (x and y and z):
         mesh.refuse(f"has a mesh with a scale of {[x, y, z]}; it must not be 0")
-    return MeshFile(path, ((x, 0.0, 0.0, 0.0), (0.0, y, 0.0, 0.0), (0.0, 0.0, z, 0.0)))
+    affine = ((x, 0.0, 0.0, 0.0), (0.0, y, 0.0, 0.0), (0.0, 0.0, z, 0.0))
+    return MeshFile(path, affine, has_scale="scale" in mesh.attributes)
 
 
 def _describe_joint(
