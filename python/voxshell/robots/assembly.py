@@ -217,6 +217,10 @@ class Assembly:
                 (matter.without_shape, f"no mass and no shape: used {GHOST_MASS:g} kg"),
                 (matter.without_inertia, f"no valid inertia: used that of {hulls}"),
                 (
+                    matter.with_bounded_inertia,
+                    "an inertia that no body has: reduced its largest moment to the sum of the others",
+                ),
+                (
                     robot.without_limits,
                     "no <limit>, or a lower above the upper one: it moves without limits",
                 ),

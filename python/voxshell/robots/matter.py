@@ -14,7 +14,7 @@ from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
 from voxshell.robots.mesh_files import read_link_mesh
 from voxshell.robots.sheets import find_sheet
-from voxshell.robots.solids import add_up, weigh_primitive
+from voxshell.robots.solids import add_up, bound_moments, weigh_primitive
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -34,6 +34,10 @@ neighbors would make Bullet's solver converge slowly; a far larger one would cha
 motion."""
 
 
+_ROUNDING = 0.01
+"""Part of an inertia that may be the rounding of the numbers in a file."""
+
+
 @dataclass(eq=False)
 class Matter:
     """Mass properties of a robot's bodies.
@@ -43,19 +47,21 @@ class Matter:
         without_mass: Links that got a mass from their collision geometry at :data:`DENSITY`.
         without_shape: Links that got :data:`GHOST_MASS`.
         without_inertia: Links whose inertia was computed from their mass and collision geometry.
+        with_bounded_inertia: Links whose inertia is that of no body, by more than rounding.
     """
 
     of_lumps: dict[Lump, MassProperties] = field(default_factory=dict)
     without_mass: list[str] = field(default_factory=list)
     without_shape: list[str] = field(default_factory=list)
     without_inertia: list[str] = field(default_factory=list)
+    with_bounded_inertia: list[str] = field(default_factory=list)
 
 
 def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
     """Add up the mass properties of each lump's links, and complete them if the file lacks them.
 
     A link with a mass but without a valid inertia gets that of the convex hulls of its collision
-    geometry with its mass. If no link of a lump has a mass, each link gets that of its hulls at
+    geometry with its mass. An inertia that no body has is reduced. If no link of a lump has a mass, each link gets that of its hulls at
     :data:`DENSITY`.
 
     Raises:
@@ -76,6 +82,10 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
                 if solid is not None:
                     inertia = solid.inertia * (inertial.mass / solid.mass)
                     matter.without_inertia.append(name)
+            else:
+                given, inertia = inertia, bound_moments(inertia)
+                if np.trace(inertia) < (1.0 - _ROUNDING) * np.trace(given):
+                    matter.with_bounded_inertia.append(name)
             parts.append(
                 (MassProperties(inertial.mass, inertial.center, inertia), lump.links[name])
             )

@@ -61,6 +61,18 @@ def is_sound(inertia: NDArray[np.float64]) -> bool:
     return bool(moments[0] > _LEAST_MOMENT * moments[-1])
 
 
+def bound_moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a tensor whose largest principal moment is at most the sum of the other two.
+
+    A larger one is that of no body, and is reduced to the sum.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    if moments[2] <= moments[0] + moments[1]:
+        return inertia
+    moments[2] = moments[0] + moments[1]
+    return axes @ np.diag(moments) @ axes.T
+
+
 def add_up(parts: Sequence[tuple[MassProperties, NDArray[np.float64]]]) -> MassProperties:
     """Return the sum of parts in their places; their total mass must be above 0."""
     mass = sum(matter.mass for matter, _ in parts)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_floats, as_positive
+from voxshell.base.arguments import as_floats, as_positive, as_vector
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.model.mass_properties import MassProperties
 from voxshell.model.meshes import MODEL_SUFFIX, Mesh
@@ -56,6 +56,8 @@ PLANE_EXTENT = 2.0
 """Edge length of the square that represents a plane in pictures, meters."""
 
 _PLANE_THICKNESS = 0.01
+_ROUNDING = 1e-6
+"""Relative error of a user's tensor that counts as rounding."""
 _ROUND_SECTIONS = 96
 
 
@@ -157,14 +159,7 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
         SettingsError: ``inertia`` is an unknown word, or physically impossible.
     """
     if isinstance(inertia, MassProperties):
-        if mass == 0.0:
-            return _nothing()
-        ratio = mass / as_positive(inertia.mass, "inertia.mass")
-        tensor = as_floats(inertia.inertia, "inertia.inertia", (3, 3))
-        center = as_floats(inertia.center_of_mass, "inertia.center_of_mass", (3,))
-        if not (np.isfinite(tensor).all() and np.linalg.eigvalsh(tensor).min() > 0.0):
-            raise SettingsError("inertia.inertia must be finite, symmetric and positive definite")
-        return MassProperties(mass, center, tensor * ratio)
+        return _nothing() if mass == 0.0 else _scale(inertia, mass)
     if not isinstance(inertia, str):
         raise InputTypeError(
             "inertia must be 'solid', 'surface' or a MassProperties, which holds mass, center of mass "
@@ -187,6 +182,30 @@ def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> Mass
         case _:
             center, tensor = _bullet.mesh_mass_properties(*mesh_of(shape), inertia)
             return MassProperties(mass, np.array(center), mass * np.array(tensor))
+
+
+def _scale(matter: MassProperties, mass: float) -> MassProperties:
+    """Return a user's mass properties with another mass, in kilograms.
+
+    Raises:
+        SettingsError: No body has them.
+    """
+    ratio = mass / as_positive(matter.mass, "inertia.mass")
+    center = np.array(as_vector(matter.center_of_mass, "inertia.center_of_mass"))
+    tensor = as_floats(matter.inertia, "inertia.inertia", (3, 3))
+    with np.errstate(all="ignore"):
+        skew = np.abs(tensor - tensor.T).max() / np.abs(tensor).max()
+    # The comparison is false for numbers that are not finite, too.
+    if not (skew <= _ROUNDING and np.linalg.eigvalsh(tensor)[0] > 0.0):
+        raise SettingsError("inertia.inertia must be finite, symmetric and positive definite")
+    low, middle, high = np.linalg.eigvalsh(tensor).tolist()
+    if high > (1.0 + _ROUNDING) * (low + middle):
+        raise SettingsError(
+            f"inertia.inertia is that of no body: its largest principal moment is {high:g} kg m2, and the "
+            f"other two are {low + middle:g} kg m2 together, which no largest one exceeds; check its numbers "
+            "and the signs of its products of inertia"
+        )
+    return MassProperties(mass, center, tensor * ratio)
 
 
 def _combine(shape: Compound, mass: float, kind: Literal["solid", "surface"]) -> MassProperties:

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
+from voxshell.base.arguments import as_positive
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import InputTypeError, SettingsError
+from voxshell.model.mass_properties import MassProperties
 from voxshell.model.shapes import Plane
 from voxshell.simulation.body import Body
 from voxshell.simulation.body_properties import make_properties
@@ -59,7 +61,7 @@ class WorldContents:
         *,
         pose: ArrayLike | None = None,
         name: str | None = None,
-        mass: float = 1.0,
+        mass: float | None = None,
         inertia: Inertia = "solid",
         material: Material | None = None,
         friction: float | None = None,
@@ -86,9 +88,10 @@ class WorldContents:
             pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity
                 by default.
             name: A name for people; "body" and its number by default.
-            mass: **Mass**: kilograms; 0 makes the body static.
+            mass: **Mass**: kilograms; 0 makes the body static. By default, the mass of ``inertia`` if
+                that is mass properties, and otherwise 1 kg.
             inertia: "solid" for uniform density, "surface" for a thin skin on the surface, or mass
-                properties, whose mass ``mass`` replaces.
+                properties of your own. If ``mass`` is given, too, their inertia is scaled to it.
             material: **Material**: friction and restitution as one value, which bodies can share.
                 By default friction is 0.5, and the other properties are 0.
             friction: Replaces :attr:`Material.friction`.
@@ -117,7 +120,9 @@ class WorldContents:
             FileAccessError: A model file cannot be read.
             InputTypeError: ``shape`` cannot be simulated, or ``inertia`` or ``material`` has an
                 unsupported type.
-            SettingsError: A number is out of range, or a plane is not static. Or
+            SettingsError: A number is out of range, or a plane is not static. Or the tensor of
+                ``inertia`` is that of no body: not symmetric or not positive definite, or its
+                largest principal moment exceeds the sum of the other two. Or
                 ``surface_velocity`` is not 0, and the body is not kinematic, the solver is not
                 "coulomb", or ``friction_directions`` is 1.
             PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not
@@ -139,7 +144,9 @@ class WorldContents:
             >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
             True
         """
-        kilograms, motion = as_mass_and_motion(mass, motion)
+        kilograms, motion = as_mass_and_motion(
+            _default_mass(inertia) if mass is None else mass, motion
+        )
         label = "the body" if name is None else repr(name)
         check_mass(kilograms, label)
         if isinstance(shape, Plane) and motion != "static":
@@ -333,3 +340,8 @@ class WorldContents:
         if not isinstance(body, Body):
             raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
         check_own(body, self._simulation)
+
+
+def _default_mass(inertia: Inertia) -> float:
+    own = isinstance(inertia, MassProperties)
+    return as_positive(inertia.mass, "inertia.mass") if own else 1.0

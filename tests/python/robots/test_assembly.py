@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import warnings
 from itertools import combinations
 
 import numpy as np
@@ -103,3 +104,22 @@ def test_arguments_are_checked_before_the_file():
         check_place(world, np.zeros((4, 4)), 0.5)
     with pytest.raises(vx.SettingsError, match="friction"):
         check_place(world, None, -1.0)
+
+
+def test_an_inertia_that_no_body_has_loads_with_a_warning(tmp_path):
+    path = tmp_path / "robot.urdf"
+    text = (
+        '<robot name="r"><link name="{}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="{}" '
+        'ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="1"/></geometry>'
+        "</collision></link></robot>"
+    )
+    path.write_text(text.format("disk", 5))
+    world = vx.World(gravity=(0, 0, 0))
+    with pytest.warns(vx.RobotWarning, match="an inertia that no body has: .*disk"):
+        [disk] = vx.load_urdf(world, path, fixed_base=False).bodies
+    disk.apply_torque_impulse((0, 0, 1))
+    assert disk.angular_velocity[2] == pytest.approx(0.5)
+    path.write_text(text.format("rounded", 2.01))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vx.load_urdf(world, path, fixed_base=False, pose=(9, 0, 0))

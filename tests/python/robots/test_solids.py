@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
-from voxshell.robots.solids import add_up, is_sound, weigh_primitive
+from voxshell.robots.solids import add_up, bound_moments, is_sound, weigh_primitive
 
 SHAPES = {
     "box": (0.2, 0.4, 0.6),
@@ -73,3 +73,11 @@ def test_an_inertia_is_sound_if_it_can_be_inverted():
     assert is_sound(np.diag([1e-7, 1.0, 1.0]))
     assert not is_sound(np.diag([1e-9, 1.0, 1.0]))
     assert not is_sound(np.diag([-1.0, 1.0, 1.0]))
+
+
+def test_an_inertia_that_no_body_has_is_reduced():
+    possible = np.diag([1.0, 2.0, 3.0])
+    assert bound_moments(possible) is possible
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    bounded = bound_moments(turn @ np.diag([1.0, 2.0, 100.0]) @ turn.T)
+    np.testing.assert_allclose(turn.T @ bounded @ turn, possible, atol=1e-12)

@@ -374,6 +374,42 @@ def test_round_shapes_stand_along_z(brick, kind, ground):
     assert len(world.contacts()) > 0
 
 
+def test_given_mass_properties_have_their_mass_unless_another_is_given():
+    world = vx.World(gravity=(0, 0, 0))
+    own = vx.MassProperties(5.0, np.zeros(3), np.diag([0.02, 0.02, 0.03]))
+    box = vx.Box((0.1, 0.1, 0.1))
+    for place, mass, spin in ((0, None, 1.0), (5, 5.0, 1.0), (10, 10.0, 0.5)):
+        body = world.add(box, mass=mass, inertia=own, pose=at(x=place))
+        assert body.mass == (mass or 5.0)
+        body.apply_torque_impulse((0, 0, 0.03))
+        assert body.angular_velocity[2] == pytest.approx(spin)
+    assert world.add(box, pose=at(x=15)).mass == 1.0
+    assert world.add(box, inertia=own, motion="static", pose=at(x=20)).mass == 0.0
+
+
+@pytest.mark.parametrize(
+    ("mass", "center", "tensor", "message"),
+    [
+        (1.0, np.zeros(3), np.diag([1.0, 1.0, 2.001]), "largest principal moment is 2.001 kg m2"),
+        (1.0, np.zeros(3), np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 2]]), "finite, symmetric and"),
+        (1.0, np.zeros(3), np.diag([1.0, 1.0, np.nan]), "finite, symmetric and"),
+        (1.0, np.zeros(3), np.zeros((3, 3)), "positive definite"),
+        (1.0, (0.0, np.nan, 0.0), np.eye(3), r"inertia\.center_of_mass must be finite"),
+        (0.0, np.zeros(3), np.eye(3), r"inertia\.mass must be above 0"),
+    ],
+)
+def test_mass_properties_of_no_body_are_refused(mass, center, tensor, message):
+    world = vx.World()
+    with pytest.raises(vx.SettingsError, match=message):
+        world.add(vx.Sphere(0.1), inertia=vx.MassProperties(mass, center, tensor))
+    assert len(world.bodies) == 0
+
+
+def test_a_flat_body_has_the_largest_moment_that_there_is():
+    disk = vx.MassProperties(1.0, np.zeros(3), np.diag([0.1, 0.2, 0.1 + 0.2]))
+    assert vx.World().add(vx.Sphere(0.1), inertia=disk).mass == 1.0
+
+
 def test_given_mass_properties_put_the_mass_elsewhere():
     world = vx.World(gravity=(0, 0, 0))
     matter = vx.MassProperties(1.0, np.array([0.0, 0.0, 0.2]), np.diag([0.1, 0.2, 0.3]))
