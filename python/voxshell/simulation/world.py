@@ -104,11 +104,6 @@ class World(ViewedWorld):
     Raises:
         SettingsError: A setting is out of range.
 
-    Attributes:
-        bodies: Its bodies, in the order of addition.
-        joints: Its joints, likewise.
-        time_step: Seconds per step.
-
     Warns:
         AccuracyWarning: A pair of models may miss contacts that are deep compared with the smaller
             model's thickness; warned at the first step with the pair. Or a body turns by more than
@@ -131,6 +126,8 @@ class World(ViewedWorld):
         >>> bool(abs(ball.pose[2, 3] - 0.1) < 0.001)
         True
     """
+
+    __slots__ = ("_advice", "_recorders")
 
     def __init__(
         self,
@@ -174,6 +171,7 @@ class World(ViewedWorld):
         self._gravity = np.array(as_vector(gravity, "gravity"))
         self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
+        self._view = None
         # Weak references: a recorder that nobody else refers to stops recording.
         self._recorders: list[weakref.ref[Recorder]] = []
         simulation = _bullet.Simulation(
@@ -227,11 +225,11 @@ class World(ViewedWorld):
         """
         count = as_integer(n, "n, the number of steps,", 0, 2**31 - 1)
         if self._pairs is not None:
-            self._pairs.judge(self.bodies)
+            self._pairs.judge(self._bodies)
         view = self._view if self._view is not None and self._view.is_open else None
         if callback is None and before is None and view is None and not self._find_recorders():
             self._simulation.step(count)
-            check_motions(self._simulation, self.bodies, self._advice)
+            check_motions(self._simulation, self._bodies, self._advice)
             return
         for _ in range(count):
             if view is not None:
@@ -239,7 +237,7 @@ class World(ViewedWorld):
             if before is not None:
                 before(self)
             self._simulation.step(1)
-            check_motions(self._simulation, self.bodies, self._advice)
+            check_motions(self._simulation, self._bodies, self._advice)
             self._take_frames()
             if view is not None:
                 view.after_step()
@@ -272,8 +270,15 @@ class World(ViewedWorld):
         """
         return self._gravity
 
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in ("gravity", "time_step"):
+            raise AttributeError(
+                f"{name} of a world cannot change: pass {name}=... to voxshell.World()"
+            )
+        super().__setattr__(name, value)
+
     def __repr__(self) -> str:
-        bodies, joints = len(self.bodies), len(self.joints)
+        bodies, joints = len(self._bodies), len(self._joints)
         return (
             f"World({bodies} {'body' if bodies == 1 else 'bodies'}, "
             f"{joints} {'joint' if joints == 1 else 'joints'}, time={self.time:.6g} s, "
@@ -309,7 +314,7 @@ class World(ViewedWorld):
             >>> bool((ball.pose == first).all())
             True
         """
-        return WorldState(self._simulation, tuple(self.bodies), tuple(self.joints))
+        return WorldState(self._simulation, self.bodies, self.joints)
 
     def restore_state(self, state: WorldState) -> None:
         """Return to a state of :meth:`save_state`; this can be repeated.
@@ -321,7 +326,7 @@ class World(ViewedWorld):
             SettingsError: It belongs to another world, or bodies or joints were added or removed
                 since.
         """
-        check_same(self._simulation, tuple(self.bodies), tuple(self.joints), state)
+        check_same(self._simulation, self.bodies, self.joints, state)
         self._simulation.restore(state._state)
 
     def record(self, *, every: int = 1) -> Recorder:
@@ -348,7 +353,7 @@ class World(ViewedWorld):
         recorder = Recorder(
             self._simulation,
             self.time_step,
-            tuple(self.bodies),
+            self.bodies,
             as_integer(every, "every", 1, 2**31 - 1),
         )
         self._recorders.append(weakref.ref(recorder, self._recorders.remove))

@@ -33,12 +33,17 @@ if TYPE_CHECKING:
 
 
 class WorldContents:
-    """The bodies and joints of a world.
+    """The bodies and joints of a world."""
 
-    Attributes:
-        bodies: The bodies in the order of addition.
-        joints: The joints, likewise.
-    """
+    __slots__ = (
+        "__weakref__",
+        "_bodies",
+        "_joints",
+        "_moves_surfaces",
+        "_pairs",
+        "_simulation",
+        "_takes_joints",
+    )
 
     def __init__(
         self,
@@ -52,8 +57,28 @@ class WorldContents:
         self._moves_surfaces = moves_surfaces
         self._takes_joints = takes_joints
         self._pairs = PairWatch() if judges_pairs else None
-        self.bodies: list[Body] = []
-        self.joints: list[Joint] = []
+        self._bodies: list[Body] = []
+        self._joints: list[Joint] = []
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies in the order of addition, as they are now.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> balls = [world.add(vx.Sphere(0.1)) for _ in range(5)]
+            >>> for body in world.bodies:
+            ...     world.remove(body)
+            >>> world.bodies
+            ()
+        """
+        return tuple(self._bodies)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints in the order of addition, as they are now."""
+        return tuple(self._joints)
 
     def add(
         self,
@@ -196,7 +221,7 @@ class WorldContents:
             self._moves_surfaces,
             matter,
         )
-        self.bodies.append(body)
+        self._bodies.append(body)
         if self._pairs is not None:
             self._pairs.note(body)
         return body
@@ -216,20 +241,20 @@ class WorldContents:
             >>> ball = world.add(vx.Sphere(0.1))
             >>> world.remove(ball)
             >>> world.bodies
-            []
+            ()
         """
         if isinstance(what, Joint):
             check_own(what, self._simulation)
             self._simulation.remove_joint(what._number)
             what._world = None
-            self.joints.remove(what)
+            self._joints.remove(what)
             return
         self._check_own(what, "what")
         for joint in [joint for joint in self.joints if what in (joint.parent, joint.child)]:
             self.remove(joint)
         self._simulation.remove_body(what.number)
         what._world = None
-        self.bodies.remove(what)
+        self._bodies.remove(what)
 
     def add_joint(
         self,
@@ -308,7 +333,7 @@ class WorldContents:
         settings = make_settings(joint, parent, child, frames, bool(collide))
         number = self._simulation.add_joint(settings)
         made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
-        self.joints.append(made)
+        self._joints.append(made)
         return made
 
     def set_collision(self, a: Body, b: Body, collide: bool) -> None:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 class WorldQueries(WorldContents):
     """The contents of a world, with queries."""
 
+    __slots__ = ()
+
     def ray_cast(self, starts: ArrayLike, ends: ArrayLike) -> NDArray[np.void]:
         """Return the first hit of each ray, among all bodies in their present poses.
 

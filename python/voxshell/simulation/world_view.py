@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 class ViewedWorld(WorldQueries):
     """A world with a live view."""
 
+    __slots__ = ("_gravity", "_time_step", "_view")
+
     _time_step: float
     _gravity: NDArray[np.float64]
-    _view: LiveView | None = None
+    _view: LiveView | None
 
     @property
     def time_step(self) -> float:
@@ -96,7 +98,7 @@ class ViewedWorld(WorldQueries):
         chosen = as_body_colors(colors)
         view = LiveView(
             self._simulation,
-            self.bodies,
+            self._bodies,
             gravity=self._gravity,
             time_step=self.time_step,
             frames_per_second=frames_per_second,

@@ -88,7 +88,7 @@ def test_nothing_is_left_of_a_robot_that_fails():
     world = vx.World()
     with pytest.raises(vx.RobotError, match=r"^f: "):
         add(world, [link("a"), link("b")], [joint("prismatic", "a", "b", start=1e300)])
-    assert world.bodies == []
+    assert world.bodies == ()
 
 
 def test_arguments_are_checked_before_the_file():

@@ -314,7 +314,7 @@ def test_what_lay_on_a_removed_body_falls(brick):
     world.remove(table)
     world.step(200)
     assert body.pose[2, 3] < 0.1
-    assert world.bodies == [world.bodies[0], body]
+    assert world.bodies == (world.bodies[0], body)
 
 
 def test_recorders_keep_removed_bodies_where_they_were(brick):

@@ -419,7 +419,7 @@ def test_wrong_settings_of_a_body(ball, settings, error, part):
     world = vx.World()
     with pytest.raises(error, match=part):
         world.add(ball, **settings)
-    assert world.bodies == []
+    assert world.bodies == ()
     world.step(1)
 
 
@@ -524,3 +524,40 @@ def test_two_bodies_of_one_model_warn_once():
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             world.step()
+
+
+def test_bodies_and_joints_cannot_be_changed_from_outside(brick):
+    world = vx.World()
+    for number in range(6):
+        world.add_joint(vx.HingeJoint(), None, world.add(brick, pose=at(x=number)))
+    before = world.bodies, world.joints
+    for joint in world.joints[:3]:
+        world.remove(joint)
+    for body in world.bodies:
+        world.remove(body)
+    assert (world.bodies, world.joints) == ((), ())
+    assert [len(each) for each in before] == [6, 6]
+    for name in ("bodies", "joints"):
+        with pytest.raises(AttributeError, match=name):
+            setattr(world, name, [])
+
+
+@pytest.mark.parametrize("name", ["timestep", "gravityy", "solver"])
+def test_a_world_has_no_attributes_but_its_own(name):
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'"):
+        setattr(vx.World(), name, 1)
+
+
+@pytest.mark.parametrize("name", ["gravity", "time_step"])
+def test_what_a_world_keeps_is_told_with_what_to_do_instead(name):
+    with pytest.raises(AttributeError, match=rf"cannot change: pass {name}=\.\.\. to voxshell"):
+        setattr(vx.World(), name, 1)
+
+
+def test_a_class_made_from_world_may_have_attributes():
+    class Lab(vx.World):
+        pass
+
+    lab = Lab()
+    lab.robot = "arm"
+    assert lab.robot == "arm"

@@ -142,7 +142,7 @@ def test_nothing_is_left_of_a_model_that_fails(write):
     huge = "<body pos='1e300 0 0'><freejoint/><geom size='1'/></body>"
     with warnings.catch_warnings(), pytest.raises(vx.RobotError):
         vx.load_mjcf(world, write(f"<worldbody><body>{BALL}</body>{huge}</worldbody>"))
-    assert world.bodies == []
+    assert world.bodies == ()
 
 
 BOX = "<geom type='box' size='.1 .2 .3' pos='.1 .2 .3' euler='0 0 90'/>"

@@ -56,5 +56,5 @@ def test_a_robot_can_be_removed(write):
     vx.load_mjcf(
         world, write(PENDULUM, "<worldbody><geom type='plane' size='1 1 1'/></worldbody>")
     ).remove()
-    assert world.bodies == []
-    assert world.joints == []
+    assert world.bodies == ()
+    assert world.joints == ()

@@ -182,8 +182,8 @@ def test_joint_types_limits_and_frames(write):
     bent = bent @ trimesh.transformations.translation_matrix((0.3 - 0.2, 0, 0.1))
     np.testing.assert_allclose(robot.links["flange"].pose, root @ bent, atol=5e-3)
     robot.remove()
-    assert world.bodies == []
-    assert world.joints == []
+    assert world.bodies == ()
+    assert world.joints == ()
 
 
 def test_links_held_by_fixed_joints_weigh_together(write):
@@ -280,7 +280,7 @@ def test_wrong_files_are_refused_by_name(write, message):
         vx.load_urdf(world, path)
     assert str(path) in str(refusal.value)
     assert message in str(refusal.value)
-    assert world.bodies == []
+    assert world.bodies == ()
 
 
 def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
@@ -476,7 +476,7 @@ def test_ball_joints_and_capsules(write):
         np.ptp(robot.links["b"].body.bounds, axis=0), (0.2, 0.2, 0.6), atol=5e-3
     )
     robot.remove()
-    assert world.joints == []
+    assert world.joints == ()
 
 
 def test_colors_of_visuals_are_kept(write):
