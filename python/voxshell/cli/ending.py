@@ -32,6 +32,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
         The exit code: 0 on success; 1 on failure; 2 if arguments, settings or input files are
         wrong; 130 after Ctrl-C.
     """
+    _open_closed_streams()
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         for ours in (CacheWarning, MeshWarning):
@@ -72,6 +73,17 @@ def run(app: App, arguments: Sequence[str]) -> int:
             _say("stopped", "")
             return INTERRUPTED
     return SUCCESS
+
+
+def _open_closed_streams() -> None:
+    """Discard what is printed if the program was started with closed streams, as by ``>&-``.
+
+    Otherwise the next file that is opened would take the stream's number, and get what libraries
+    print.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115, until the process ends
 
 
 def _find_command(app: App, arguments: Sequence[str]) -> list[str]:
