@@ -46,10 +46,11 @@ class Plane(Field):
         array([1.5])
     """
 
-    __slots__ = ("_normal", "_offset")
+    __slots__ = ("_given", "_normal", "_offset")
 
     def __init__(self, normal: ArrayLike = (0.0, 0.0, 1.0), offset: float = 0.0) -> None:
-        x, y, z = as_vector(normal, "normal")
+        # A copy is made from the vector that was given, because normalizing twice may change bits.
+        self._given = x, y, z = as_vector(normal, "normal")
         largest = max(abs(x), abs(y), abs(z))
         if largest == 0.0:
             raise SettingsError("normal must not be zero: it says which side of the plane is solid")
@@ -71,6 +72,9 @@ class Plane(Field):
     def offset(self) -> float:
         """Signed distance of the surface from the origin along the normal, meters."""
         return self._offset
+
+    def __reduce__(self) -> tuple[type[Plane], tuple[tuple[float, float, float], float]]:
+        return type(self), (self._given, self._offset)
 
     def __repr__(self) -> str:
         return f"Plane(normal={_round(self._normal)}, offset={self._offset:g})"
@@ -107,6 +111,9 @@ class Box(Field):
         """Half of the edge lengths along x, y and z, (3,) float64, meters."""
         return np.array(self._half_extents)
 
+    def __reduce__(self) -> tuple[type[Box], tuple[tuple[float, float, float]]]:
+        return type(self), (self._half_extents,)
+
     def __repr__(self) -> str:
         return f"Box(half_extents={_round(self._half_extents)})"
 
@@ -136,6 +143,9 @@ class Sphere(Field):
     def radius(self) -> float:
         """Meters."""
         return self._radius
+
+    def __reduce__(self) -> tuple[type[Sphere], tuple[float]]:
+        return type(self), (self._radius,)
 
     def __repr__(self) -> str:
         return f"Sphere(radius={self._radius:g})"
@@ -175,6 +185,9 @@ class Capsule(Field):
         """Distance between the centers of the hemispheres, meters."""
         return self._length
 
+    def __reduce__(self) -> tuple[type[Capsule], tuple[float, float]]:
+        return type(self), (self._radius, self._length)
+
     def __repr__(self) -> str:
         return f"Capsule(radius={self._radius:g}, length={self._length:g})"
 
@@ -213,6 +226,9 @@ class Cylinder(Field):
         """Length along z, meters."""
         return self._length
 
+    def __reduce__(self) -> tuple[type[Cylinder], tuple[float, float]]:
+        return type(self), (self._radius, self._length)
+
     def __repr__(self) -> str:
         return f"Cylinder(radius={self._radius:g}, length={self._length:g})"
 
@@ -249,6 +265,9 @@ class Cone(Field):
     def height(self) -> float:
         """Height along z, meters."""
         return self._height
+
+    def __reduce__(self) -> tuple[type[Cone], tuple[float, float]]:
+        return type(self), (self._radius, self._height)
 
     def __repr__(self) -> str:
         return f"Cone(radius={self._radius:g}, height={self._height:g})"
@@ -298,6 +317,9 @@ class ConvexPolyhedron(Field):
     def mesh(self) -> Mesh:
         """The triangles as given: (n, 3) float64, meters, and (m, 3) uint32; read-only."""
         return self._mesh
+
+    def __reduce__(self) -> tuple[type[ConvexPolyhedron], tuple[Mesh]]:
+        return type(self), (self._mesh,)
 
     def __repr__(self) -> str:
         return f"ConvexPolyhedron({self._face_count} faces)"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -55,6 +55,12 @@ class ContactBatch:
 
     def __init__(self, core: _core.ContactBatch) -> None:
         self._core = core
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "a ContactBatch cannot be pickled or copied: pass the arrays of its Contacts, such as "
+            "contacts.points_b, contacts.normals and contacts.depths"
+        )
 
     def __len__(self) -> int:
         return len(self._core)

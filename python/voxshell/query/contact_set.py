@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_integer
 from voxshell.base.notebook import make_table
+from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -188,6 +189,12 @@ class Contacts:
             True
         """
         return Contacts(self._core.deepest_per_segment())
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "Contacts cannot be pickled or copied: pass the arrays, such as contacts.points_b, "
+            "contacts.normals and contacts.depths"
+        )
 
     def _repr_html_(self) -> str:
         """Return a table of facts for notebooks."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
-from voxshell.errors import SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
     from voxshell import _bullet
@@ -27,6 +27,12 @@ class WorldPart:
     def removed(self) -> bool:
         """True after it was removed from its world."""
         return self._world is None
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            f"{self._title} cannot be copied or pickled, because it belongs to a world: add another one, or "
+            "pass its numbers"
+        )
 
     @property
     def _simulation(self) -> _bullet.Simulation:

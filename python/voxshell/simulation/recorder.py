@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from voxshell.errors import InputTypeError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_colors import as_body_colors
 from voxshell.simulation.body_shapes import mesh_of
@@ -123,6 +124,11 @@ class Recorder:
             options: As for :meth:`Recording.save_html`.
         """
         return self.recording(colors=colors).save_html(path, **options)
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "a Recorder cannot be copied or pickled, because it belongs to a world: pass its recording()"
+        )
 
     def __repr__(self) -> str:
         frames, bodies = len(self._poses), len(self._bodies)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from voxshell.errors import InputTypeError, SettingsError
 
@@ -30,6 +30,12 @@ class WorldState:
         self._state = simulation.save()
         self._bodies = bodies
         self._joints = joints
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "a WorldState cannot be copied or pickled, because it fits only its world: keep it, and pass it to "
+            "that world's restore_state() as often as you like"
+        )
 
     def __repr__(self) -> str:
         return f"WorldState({len(self._bodies)} bodies, {len(self._joints)} joints)"

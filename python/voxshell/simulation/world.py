@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import weakref
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from voxshell.base.arguments import (
     as_threads,
     as_vector,
 )
-from voxshell.errors import SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.limits import check_fall, check_motions
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
@@ -276,6 +276,12 @@ class World(ViewedWorld):
                 f"{name} of a world cannot change: pass {name}=... to voxshell.World()"
             )
         super().__setattr__(name, value)
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "a World cannot be copied or pickled: make another one and add the same bodies, which may share their "
+            "shapes; to return to an earlier state, use save_state() and restore_state()"
+        )
 
     def __repr__(self) -> str:
         bodies, joints = len(self._bodies), len(self._joints)

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import trimesh
@@ -201,3 +204,28 @@ def test_a_wrong_normal_is_refused(normal):
 def test_a_wrong_offset_is_refused(offset):
     with pytest.raises(vx.SettingsError, match="offset"):
         vx.Plane(offset=offset)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_shapes_are_pickled_and_copied_bit_for_bit(kind):
+    shape = SHAPES[kind]()
+    points = np.random.default_rng(1).normal(size=(100, 3))
+    for copied in (pickle.loads(pickle.dumps(shape)), copy.copy(shape), copy.deepcopy(shape)):
+        assert type(copied) is type(shape)
+        assert repr(copied) == repr(shape)
+        assert copied.sample(points).tobytes() == shape.sample(points).tobytes()
+
+
+def test_a_pickled_plane_keeps_the_bits_of_its_normal():
+    for normal in np.random.default_rng(1).normal(size=(200, 3)):
+        plane = vx.Plane(normal)
+        assert pickle.loads(pickle.dumps(plane)).normal.tobytes() == plane.normal.tobytes()
+
+
+def test_compounds_and_hulls_are_pickled():
+    hull = vx.ConvexHull(trimesh.creation.box().vertices)
+    whole = vx.Compound([(vx.Sphere(0.2), (0, 0, 0)), (hull, (1, 0, 0))])
+    copied = pickle.loads(pickle.dumps(whole))
+    assert repr(copied) == repr(whole)
+    assert copied.parts[1][1].tolist() == whole.parts[1][1].tolist()
+    vx.World().add(copied)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import gc
+import pickle
 
 import numpy as np
 import pytest
@@ -118,3 +119,11 @@ def test_the_segments_of_a_manifold(contacts: vx.Contacts):
 def test_a_wrong_size_of_a_manifold_is_refused(contacts: vx.Contacts, max_points):
     with pytest.raises(vx.SettingsError, match="max_points"):
         contacts.manifold(max_points)
+
+
+def test_contacts_say_that_their_arrays_are_pickled_instead():
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), resolution=20)
+    plane = vx.Plane(offset=-0.09)
+    for found in (vx.contacts(ball, plane), vx.contacts_batch(ball, plane, [(0, 0, 0)])):
+        with pytest.raises(vx.InputTypeError, match=r"pass the arrays.*contacts\.depths"):
+            pickle.dumps(found)

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import copy
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -561,3 +563,19 @@ def test_a_class_made_from_world_may_have_attributes():
     lab = Lab()
     lab.robot = "arm"
     assert lab.robot == "arm"
+
+
+@pytest.mark.parametrize("duplicate", [pickle.dumps, copy.copy, copy.deepcopy])
+def test_worlds_and_what_belongs_to_them_are_not_copied(duplicate, brick):
+    world = vx.World()
+    body = world.add(brick)
+    joint = world.add_joint(vx.HingeJoint(), None, body)
+    for what, remedy in (
+        (world, r"save_state\(\)"),
+        (world.save_state(), r"restore_state\(\)"),
+        (body, "add another one"),
+        (joint, "add another one"),
+        (world.record(), r"recording\(\)"),
+    ):
+        with pytest.raises(vx.InputTypeError, match=f"cannot be copied or pickled.*{remedy}"):
+            duplicate(what)
