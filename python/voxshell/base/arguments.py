@@ -17,6 +17,8 @@ from voxshell.errors import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
 _MOST_THREADS = 1024
@@ -105,6 +107,41 @@ def as_integer(value: Any, name: str, lowest: int, highest: int) -> int:
         allowed = f"at least {lowest}" if unbounded else f"from {lowest} to {highest}"
         raise SettingsError(f"{name} must be {allowed}, not {number}")
     return number
+
+
+def as_flag(value: Any, name: str) -> bool:
+    """Return True or False; other values are refused, because most of them count as true."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise SettingsError(f"{name} must be True or False, not {show_value(value)}")
+    return bool(value)
+
+
+def as_choice(value: Any, name: str, choices: Iterable[str]) -> str:
+    """Return one of some words."""
+    words = tuple(choices)
+    if not (isinstance(value, str) and value in words):
+        raise SettingsError(
+            f"{name} must be one of {', '.join(map(repr, words))}, not {show_value(value)}"
+        )
+    return value
+
+
+def as_text(value: Any, name: str) -> str:
+    """Return a text."""
+    if not isinstance(value, str):
+        raise InputTypeError(f"{name} must be a text, not {type(value).__name__}")
+    return value
+
+
+def check_callable(value: Any, name: str) -> None:
+    """Refuse what is neither None nor can be called."""
+    if value is not None and not callable(value):
+        raise InputTypeError(f"{name} must be callable, not {type(value).__name__}")
+
+
+def is_infinite(value: Any) -> bool:
+    """Return whether a value is the number that stands for no limit."""
+    return isinstance(value, (float, np.floating)) and bool(value == math.inf)
 
 
 def as_color(value: Any, name: str) -> tuple[int, int, int]:

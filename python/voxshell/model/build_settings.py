@@ -1,22 +1,75 @@
-"""Checks of a build's settings other than lengths and numbers of points."""
+"""Checks of the settings of a build."""
 
 from __future__ import annotations
 
-from voxshell.base.arguments import FARTHEST, as_length, as_real
+from typing import Any
+
+from voxshell.base.arguments import FARTHEST, as_integer, as_length, as_real, show_value
 from voxshell.errors import SettingsError
+
+_LARGEST_INT = 2**31 - 1
+
+
+def as_settings(
+    *,
+    tolerance: float | None,
+    voxel_size: float | None,
+    resolution: int | None,
+    point_spacing: float | None,
+    target_points: int | None,
+    padding: float | None,
+    sign: str,
+    open_as: str,
+    sheet_thickness: float | None,
+) -> dict[str, Any]:
+    """Return the settings of a build as the core takes them; see :meth:`Model.from_mesh`.
+
+    Raises:
+        SettingsError: One is out of range or contradicts another.
+    """
+    for one, other, names in (
+        (voxel_size, resolution, "voxel_size or resolution"),
+        (point_spacing, target_points, "point_spacing or target_points"),
+    ):
+        if one is not None and other is not None:
+            raise SettingsError(f"give either {names}, not both")
+    sizes = (voxel_size, resolution, point_spacing, target_points)
+    if tolerance is not None and any(size is not None for size in sizes):
+        raise SettingsError(
+            "give either a tolerance or the sizes of a uniform model (voxel_size, resolution, "
+            "point_spacing, target_points), not both"
+        )
+    # The core takes 0 for "not given".
+    return {
+        "tolerance": 0.0 if tolerance is None else as_length(tolerance, "tolerance"),
+        "voxel_size": 0.0 if voxel_size is None else as_length(voxel_size, "voxel_size"),
+        "resolution": 0
+        if resolution is None
+        else as_integer(resolution, "resolution", 2, _LARGEST_INT),
+        "point_spacing": 0.0
+        if point_spacing is None
+        else as_length(point_spacing, "point_spacing"),
+        "target_points": 0
+        if target_points is None
+        else as_integer(target_points, "target_points", 1, _LARGEST_INT),
+        "padding": -1.0 if padding is None else as_padding(padding),
+        "sign": as_sign(sign),
+        "open": as_open(open_as),
+        "sheet_thickness": as_sheet_thickness(sheet_thickness, open_as),
+    }
 
 
 def as_sign(value: str) -> str:
     """Return a method to find the inside of a mesh."""
-    if value not in ("auto", "closed", "winding"):
-        raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {value!r}")
+    if not (isinstance(value, str) and value in ("auto", "closed", "winding")):
+        raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {show_value(value)}")
     return value
 
 
 def as_open(value: str) -> str:
     """Return a treatment of open meshes."""
-    if value not in ("auto", "solid", "sheet"):
-        raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {value!r}")
+    if not (isinstance(value, str) and value in ("auto", "solid", "sheet")):
+        raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {show_value(value)}")
     return value
 
 

@@ -7,13 +7,20 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell._core import Model as CoreModel
-from voxshell.base.arguments import as_integer, as_length, as_path, as_positive, as_threads
+from voxshell.base.arguments import (
+    as_flag,
+    as_path,
+    as_positive,
+    as_threads,
+    check_callable,
+    show_value,
+)
 from voxshell.base.input_files import check_exists
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, SettingsError
 from voxshell.model.accuracy import read_accuracy
-from voxshell.model.build_settings import as_open, as_padding, as_sheet_thickness, as_sign
+from voxshell.model.build_settings import as_settings
 from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.field import SERIALS, DistanceField
@@ -36,8 +43,6 @@ if TYPE_CHECKING:
 
     from voxshell.model.accuracy import Accuracy
     from voxshell.model.meshes import MeshLike
-
-_LARGEST_INT = 2**31 - 1
 
 
 class Model:
@@ -178,38 +183,19 @@ class Model:
             >>> vx.Model.from_mesh(mesh, scale=0.001).tolerance.__round__(6)
             7e-05
         """
-        if progress is not None and not callable(progress):
-            raise InputTypeError(f"progress must be callable, not {type(progress).__name__}")
-        for one, other, names in (
-            (voxel_size, resolution, "voxel_size or resolution"),
-            (point_spacing, target_points, "point_spacing or target_points"),
-        ):
-            if one is not None and other is not None:
-                raise SettingsError(f"give either {names}, not both")
-        sizes = (voxel_size, resolution, point_spacing, target_points)
-        if tolerance is not None and any(size is not None for size in sizes):
-            raise SettingsError(
-                "give either a tolerance or the sizes of a uniform model (voxel_size, resolution, "
-                "point_spacing, target_points), not both"
-            )
-        # The core takes 0 for "not given".
-        settings = {
-            "tolerance": 0.0 if tolerance is None else as_length(tolerance, "tolerance"),
-            "voxel_size": 0.0 if voxel_size is None else as_length(voxel_size, "voxel_size"),
-            "resolution": 0
-            if resolution is None
-            else as_integer(resolution, "resolution", 2, _LARGEST_INT),
-            "point_spacing": 0.0
-            if point_spacing is None
-            else as_length(point_spacing, "point_spacing"),
-            "target_points": 0
-            if target_points is None
-            else as_integer(target_points, "target_points", 1, _LARGEST_INT),
-            "padding": -1.0 if padding is None else as_padding(padding),
-            "sign": as_sign(sign),
-            "open": as_open(open),
-            "sheet_thickness": as_sheet_thickness(sheet_thickness, open),
-        }
+        check_callable(progress, "progress")
+        is_cached = as_flag(cache, "cache")
+        settings = as_settings(
+            tolerance=tolerance,
+            voxel_size=voxel_size,
+            resolution=resolution,
+            point_spacing=point_spacing,
+            target_points=target_points,
+            padding=padding,
+            sign=sign,
+            open_as=open,
+            sheet_thickness=sheet_thickness,
+        )
         count = as_threads(threads)
         with naming_file(mesh):
             arrays = read_mesh(mesh, scale)
@@ -224,7 +210,7 @@ class Model:
 
         try:
             with naming_file(mesh):
-                if cache:
+                if is_cached:
                     core = open_cache().fetch(compute_key(arrays, settings), build, waiting)
                 else:
                     core = build()
@@ -382,12 +368,12 @@ class Model:
                    [0., 0., 1.]])
         """
         kilograms = as_positive(mass, "mass")
+        if not (isinstance(kind, str) and kind in ("solid", "surface")):
+            raise SettingsError(f"kind must be 'solid' or 'surface', not {show_value(kind)}")
         if kind == "solid":
             center, inertia = self._core.solid_mass_properties
-        elif kind == "surface":
-            center, inertia = self._core.surface_mass_properties
         else:
-            raise SettingsError(f"kind must be 'solid' or 'surface', not {kind!r}")
+            center, inertia = self._core.surface_mass_properties
         return MassProperties(kilograms, np.array(center), kilograms * np.array(inertia))
 
     def __repr__(self) -> str:

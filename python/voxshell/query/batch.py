@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from voxshell import _core
-from voxshell.base.arguments import as_threads
+from voxshell.base.arguments import as_threads, check_callable
 from voxshell.base.pose_forms import as_pose_arrays, mend_poses
 from voxshell.errors import InputTypeError, PoseError
 from voxshell.query.contact_set import Contacts, name_shells
@@ -183,6 +183,7 @@ def contacts_batch(
     """
     count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     bodies, shells = as_pair(a, b, shell)
+    check_callable(progress, "progress")
     try:
         found = _core.contacts_batch(
             *bodies,
@@ -255,6 +256,7 @@ def collide_batch(
         array([False,  True,  True])
     """
     bodies, shells = as_pair(a, b, shell)
+    check_callable(progress, "progress")
     count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     try:
         return _core.collide_batch(

@@ -62,8 +62,9 @@ def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> Co
         >>> vx.contact_bounds(vx.Plane(), model).shell
         'b'
     """
+    shells = as_shells(shell)
     bodies = parts_of_pair(a, b, shell)
-    role, miss, *_ = _core.role(*bodies, as_shells(shell))
+    role, miss, *_ = _core.role(*bodies, shells)
     name = ROLES[role]
     overlap, clearance = _core.pair_bounds(*bodies, role)
     return ContactBounds(overlap, clearance, name, miss)

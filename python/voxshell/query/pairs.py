@@ -46,10 +46,11 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
 
 def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:
     """Return two bodies as the core takes them; warn if their automatic role may miss much."""
+    shells = as_shells(shell)
     bodies = parts_of_pair(a, b, shell)
     if shell == "auto" and b._serial not in a._judged and (bodies[1] or bodies[3]):
         judge(a, b, bodies)
-    return bodies, as_shells(shell)
+    return bodies, shells
 
 
 def parts_of_pair(a: Any, b: Any, shell: Any) -> Parts:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from voxshell.base.arguments import as_path
+from voxshell.base.arguments import as_flag, as_path, as_text
 from voxshell.base.notebook import make_frame, make_table
 from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.errors import MissingExtraError, RecordingError
@@ -106,12 +106,15 @@ class Recording:
 
         Raises:
             MissingExtraError: The viewer is not installed.
+            InputTypeError: ``title`` or ``label`` is not a text.
             RecordingError: An option is invalid.
             SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or its
                 folder does not exist.
             FileAccessError: The file cannot be written.
         """
         place = _as_place(path, (".html", ".htm"), "a replay")
+        as_text(title, "title")
+        as_text(label, "label")
         from voxshell.viewer.lanes import Lane
         from voxshell.viewer.replay import save_replay
 
@@ -214,6 +217,7 @@ class Recording:
             'fall.glb'
         """
         place = _as_place(path, (".glb",), "an animation for glTF")
+        as_flag(contacts, "contacts")
         from voxshell.viewer.gltf import save_gltf
 
         return save_gltf(place, self, up=up, contacts=contacts)
@@ -241,6 +245,7 @@ class Recording:
             FileAccessError: The file cannot be written.
         """
         place = _as_place(path, (".usdc", ".usda", ".usd"), "an animation for USD")
+        as_flag(contacts, "contacts")
         from voxshell.viewer.usd import save_usd
 
         return save_usd(place, self, up=up, contacts=contacts)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from voxshell.errors import SettingsError
+from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -139,9 +138,11 @@ class Robot:
                 without one.
 
         Raises:
+            InputTypeError: ``positions`` does not map names to numbers.
             SettingsError: There is no such joint, it mimics another, the position is beyond its
                 limits, or neither the file nor ``max_force`` states its effort.
         """
+        _check_targets(positions, "positions")
         for name, position in positions.items():
             joint = self._driven(name)
             joint.set_target_position(
@@ -160,8 +161,10 @@ class Robot:
             max_force: Newton meters or newtons; by default each joint's effort in the file.
 
         Raises:
+            InputTypeError: ``velocities`` does not map names to numbers.
             SettingsError: As for :meth:`set_targets`.
         """
+        _check_targets(velocities, "velocities")
         for name, velocity in velocities.items():
             self._driven(name).set_target_velocity(velocity, max_force=self._force(name, max_force))
 
@@ -201,3 +204,11 @@ class Robot:
         links, moving = len(self.links), len(self.joints)
         joints = "1 joint that moves" if moving == 1 else f"{moving} joints that move"
         return f"Robot({self.name!r}, {links} link{'' if links == 1 else 's'}, {joints})"
+
+
+def _check_targets(targets: Mapping[str, float], name: str) -> None:
+    if not isinstance(targets, Mapping):
+        raise InputTypeError(
+            f"{name} must map the names of joints to numbers, as in {{'elbow': 0.5}}, not "
+            f"{type(targets).__name__}"
+        )

@@ -30,9 +30,6 @@ class Body(BodyProperties):
     Vectors are in the world frame. Setting any property wakes the body. Arrays that a body returns
     are read-only copies: set the property, or change a copy.
 
-    Attributes:
-        name: A name for people.
-
     Raises:
         SettingsError: The body has been removed from its world.
 

@@ -18,6 +18,9 @@ from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
 from voxshell.simulation.compound import Compound
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import trimesh
     from numpy.typing import NDArray
 
     from voxshell.model.meshes import MeshLike
@@ -59,6 +62,8 @@ _PLANE_THICKNESS = 0.01
 _ROUNDING = 1e-6
 """Relative error of a user's tensor that counts as rounding."""
 _ROUND_SECTIONS = 96
+_THIN = 1e-4
+"""Size below which vertices of a round body may be within trimesh's distance of merging, meters."""
 
 
 def as_shape(shape: Shape | MeshLike) -> Shape:
@@ -134,12 +139,10 @@ def mesh_of(shape: Shape) -> Mesh:
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
             mesh.apply_scale(shape.radius)
         case Cylinder():
-            mesh = creation.cylinder(
-                radius=shape.radius, height=shape.length, sections=_ROUND_SECTIONS
-            )
+            return _stretch(creation.cylinder, shape.radius, shape.length)
         case Cone():
-            mesh = creation.cone(radius=shape.radius, height=shape.height, sections=_ROUND_SECTIONS)
-            mesh.apply_translation((0.0, 0.0, -shape.height / 2.0))
+            vertices, faces = _stretch(creation.cone, shape.radius, shape.height)
+            return Mesh(vertices - (0.0, 0.0, shape.height / 2.0), faces)
         case Compound():
             return _join([(mesh_of(part), pose) for part, pose in shape.parts])
         case Plane():
@@ -149,6 +152,17 @@ def mesh_of(shape: Shape) -> Mesh:
         case _:
             return shape.mesh
     return Mesh(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32))
+
+
+def _stretch(create: Callable[..., trimesh.Trimesh], radius: float, height: float) -> Mesh:
+    """Return a round body about z; trimesh would merge vertices of one that is thin."""
+    thin = min(radius, height) < _THIN
+    sizes = (1.0, 1.0) if thin else (radius, height)
+    mesh = create(radius=sizes[0], height=sizes[1], sections=_ROUND_SECTIONS)
+    vertices = np.asarray(mesh.vertices, np.float64)
+    if thin:
+        vertices = vertices * (radius, radius, height)
+    return Mesh(vertices, np.asarray(mesh.faces, np.uint32))
 
 
 def compute_mass_properties(shape: Shape, mass: float, inertia: Inertia) -> MassProperties:

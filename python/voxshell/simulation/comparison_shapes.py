@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell.base.arguments import as_floats, as_not_negative
-from voxshell.errors import MeshError, SettingsError
+from voxshell.errors import InputTypeError, MeshError, SettingsError
 from voxshell.model.meshes import Mesh, read_mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.model.meshes import MeshLike
@@ -61,6 +60,7 @@ class ConvexDecomposition:
 
     Raises:
         MeshError: The points of a hull do not enclose a volume.
+        InputTypeError: ``hulls`` is no sequence.
         SettingsError: There is no hull, or ``margin`` is below 0.
 
     Example:
@@ -75,6 +75,10 @@ class ConvexDecomposition:
     __slots__ = ("hulls", "margin", "mesh")
 
     def __init__(self, hulls: Iterable[ArrayLike], *, margin: float = MARGIN) -> None:
+        if not isinstance(hulls, Iterable):
+            raise InputTypeError(
+                f"hulls must be arrays of points, one for each hull, not {type(hulls).__name__}"
+            )
         self.hulls: list[NDArray[np.float64]] = [
             _as_hull(points, f"hulls[{index}]") for index, points in enumerate(hulls)
         ]

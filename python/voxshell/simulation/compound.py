@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -13,8 +14,6 @@ from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Sphere
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import ArrayLike, NDArray
 
 Part: TypeAlias = Model | Box | Sphere | Capsule | Cylinder | Cone | GImpact | ConvexDecomposition
@@ -33,7 +32,7 @@ class Compound:
             lists; at least one. A plane or another compound cannot be a part.
 
     Raises:
-        InputTypeError: A part is not a pair, or has an unsupported shape.
+        InputTypeError: ``parts`` is no sequence. Or a part is not a pair, or has an unsupported shape.
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: There is no part.
 
@@ -46,6 +45,10 @@ class Compound:
     __slots__ = ("parts",)
 
     def __init__(self, parts: Iterable[tuple[Part, ArrayLike]]) -> None:
+        if not isinstance(parts, Iterable):
+            raise InputTypeError(
+                f"parts must be pairs of a shape and a pose, not {type(parts).__name__}"
+            )
         self.parts: list[tuple[Part, NDArray[np.float64]]] = []
         for index, part in enumerate(parts):
             if not (isinstance(part, (tuple, list)) and len(part) == 2):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_positive, as_real
-from voxshell.errors import SettingsError
+from voxshell.base.arguments import as_positive, as_real, is_infinite
+from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.joint_kinds import HingeJoint, JointKind, SliderJoint
 from voxshell.simulation.part import WorldPart
 
@@ -40,9 +40,6 @@ class Joint(WorldPart):
     in radians and rad/s for a hinge, where whole turns count, and in meters and m/s for a slider. A
     motor exerts at most ``max_force``, in newtons, or in newton meters for a hinge. A joint without
     a motor moves freely except for its friction.
-
-    Attributes:
-        name: A name for people.
 
     Raises:
         SettingsError: The joint has been removed; or it has no axis, and thus no position, velocity
@@ -180,6 +177,7 @@ class Joint(WorldPart):
             max_speed: Rad/s or m/s, above 0.
 
         Raises:
+            InputTypeError: ``leader`` is not a joint.
             SettingsError: The leader is this joint, belongs to another world or has no axis, or a
                 number is out of range.
 
@@ -197,6 +195,8 @@ class Joint(WorldPart):
             >>> round(first.position, 4), round(second.position, 4)
             (0.03, -0.03)
         """
+        if not isinstance(leader, Joint):
+            raise InputTypeError(f"leader must be a Joint, not {type(leader).__name__}")
         if leader is self:
             raise SettingsError(f"joint {self.name!r} cannot follow itself")
         if leader._along_axis() is not self._along_axis():
@@ -233,4 +233,4 @@ class Joint(WorldPart):
 
 
 def _as_speed(value: float) -> float:
-    return math.inf if value == math.inf else as_positive(value, "max_speed")
+    return math.inf if is_infinite(value) else as_positive(value, "max_speed")

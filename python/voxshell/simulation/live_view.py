@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from voxshell.base.arguments import as_positive
+from voxshell.base.arguments import as_flag, as_positive
 from voxshell.simulation.live_frame import take_frame
 from voxshell.simulation.live_pull import Pulls
 
@@ -97,7 +97,7 @@ class LiveView:
         self._shown = 0
         self._closed = False
         self._gate = threading.Condition()
-        self._paused, self._steps_allowed = bool(paused), 0
+        self._paused, self._steps_allowed = as_flag(paused, "paused"), 0
         self._news = threading.Condition()
         self._frame: LiveFrame | None = None
         self._has_unseen = True

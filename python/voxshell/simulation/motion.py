@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_not_negative
+from voxshell.base.arguments import as_choice, as_not_negative
 from voxshell.errors import SettingsError
 
 Motion: TypeAlias = Literal["dynamic", "static", "kinematic"]
@@ -23,11 +23,7 @@ def as_mass_and_motion(mass: float, motion: Motion | None) -> tuple[float, Motio
     kilograms = as_not_negative(mass, "mass")
     if motion is None:
         motion = "dynamic" if kilograms > 0.0 else "static"
-    elif motion not in MOTIONS:
-        raise SettingsError(
-            f"motion must be one of {', '.join(map(repr, MOTIONS))}, not {motion!r}"
-        )
-    elif motion == "dynamic" and kilograms == 0.0:
+    elif as_choice(motion, "motion", MOTIONS) == "dynamic" and kilograms == 0.0:
         raise SettingsError("a dynamic body needs a mass above 0")
     return (kilograms if motion == "dynamic" else 0.0), motion
 

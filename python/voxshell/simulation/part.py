@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NoReturn
 
+from voxshell.base.arguments import as_text
 from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
@@ -11,17 +12,26 @@ if TYPE_CHECKING:
 
 
 class WorldPart:
-    """A body or a joint of a :class:`World`.
+    """A body or a joint of a :class:`World`."""
 
-    Attributes:
-        name: A name for people.
-    """
-
-    __slots__ = ("_world", "name")
+    __slots__ = ("_name", "_world")
 
     def __init__(self, simulation: _bullet.Simulation, name: str) -> None:
         self._world: _bullet.Simulation | None = simulation
-        self.name: str = name
+        self._name = as_text(name, "name")
+
+    @property
+    def name(self) -> str:
+        """A name for people; settable.
+
+        Raises:
+            InputTypeError: The new name is not a text.
+        """
+        return self._name
+
+    @name.setter
+    def name(self, value: str) -> None:
+        self._name = as_text(value, "name")
 
     @property
     def removed(self) -> bool:

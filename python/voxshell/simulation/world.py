@@ -10,12 +10,16 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell.base.arguments import (
+    as_choice,
+    as_flag,
     as_integer,
     as_not_negative,
     as_positive,
     as_real,
     as_threads,
     as_vector,
+    check_callable,
+    is_infinite,
 )
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.limits import check_fall, check_motions
@@ -148,18 +152,9 @@ class World(ViewedWorld):
         friction_directions: Literal[1, 2] = 2,
         threads: int | None = None,
     ) -> None:
-        if solver not in _SOLVERS:
-            raise SettingsError(
-                f"solver must be one of {', '.join(map(repr, _SOLVERS))}, not {solver!r}"
-            )
-        if contact not in _CONTACT_MODES:
-            raise SettingsError(
-                f"contact must be one of {', '.join(map(repr, _CONTACT_MODES))}, not {contact!r}"
-            )
-        if shell not in _SHELL_RULES:
-            raise SettingsError(
-                f"shell must be one of {', '.join(map(repr, _SHELL_RULES))}, not {shell!r}"
-            )
+        as_choice(solver, "solver", _SOLVERS)
+        as_choice(contact, "contact", _CONTACT_MODES)
+        as_choice(shell, "shell", _SHELL_RULES)
         if level is not None and contact == "regular":
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
@@ -177,7 +172,7 @@ class World(ViewedWorld):
         simulation = _bullet.Simulation(
             gravity=as_vector(gravity, "gravity"),
             time_step=self.time_step,
-            sleeping=bool(sleeping),
+            sleeping=as_flag(sleeping, "sleeping"),
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
             solver=_SOLVERS[solver],
             iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
@@ -220,10 +215,13 @@ class World(ViewedWorld):
 
         Raises:
             SettingsError: ``n`` is below 0.
+            InputTypeError: ``callback`` or ``before`` cannot be called.
             SimulationError: A body's pose or velocity is no longer finite. The world keeps the
                 state of the failed step.
         """
         count = as_integer(n, "n, the number of steps,", 0, 2**31 - 1)
+        check_callable(callback, "callback")
+        check_callable(before, "before")
         if self._pairs is not None:
             self._pairs.judge(self._bodies)
         view = self._view if self._view is not None and self._view.is_open else None
@@ -377,4 +375,4 @@ class World(ViewedWorld):
 
 def _as_reach(value: float) -> float:
     """Return a length of at least 0, or infinity, meters."""
-    return math.inf if value == math.inf else as_not_negative(value, "ccd_motion_threshold")
+    return math.inf if is_infinite(value) else as_not_negative(value, "ccd_motion_threshold")

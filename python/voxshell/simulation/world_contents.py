@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_positive
+from voxshell.base.arguments import as_flag, as_positive, as_text
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.model.mass_properties import MassProperties
@@ -143,8 +143,8 @@ class WorldContents:
                 :meth:`Model.from_mesh`.
             ModelFileError: A model file is damaged or has another version.
             FileAccessError: A model file cannot be read.
-            InputTypeError: ``shape`` cannot be simulated, or ``inertia`` or ``material`` has an
-                unsupported type.
+            InputTypeError: ``shape`` cannot be simulated, or ``inertia``, ``material`` or ``name``
+                has an unsupported type.
             SettingsError: A number is out of range, or a plane is not static. Or the tensor of
                 ``inertia`` is that of no body: not symmetric or not positive definite, or its
                 largest principal moment exceeds the sum of the other two. Or
@@ -172,7 +172,7 @@ class WorldContents:
         kilograms, motion = as_mass_and_motion(
             _default_mass(inertia) if mass is None else mass, motion
         )
-        label = "the body" if name is None else repr(name)
+        label = "the body" if name is None else repr(as_text(name, "name"))
         check_mass(kilograms, label)
         if isinstance(shape, Plane) and motion != "static":
             raise SettingsError("a plane is unbounded and cannot move: pass mass=0")
@@ -249,6 +249,8 @@ class WorldContents:
             what._world = None
             self._joints.remove(what)
             return
+        if not isinstance(what, Body):
+            raise InputTypeError(f"what must be a Body or a Joint, not {type(what).__name__}")
         self._check_own(what, "what")
         for joint in [joint for joint in self.joints if what in (joint.parent, joint.child)]:
             self.remove(joint)
@@ -329,8 +331,10 @@ class WorldContents:
                 "a joint needs a body that can move: "
                 f"{'the world' if parent is None else repr(parent.name)} and {child.name!r} cannot"
             )
+        if name is not None:
+            as_text(name, "name")
         frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
-        settings = make_settings(joint, parent, child, frames, bool(collide))
+        settings = make_settings(joint, parent, child, frames, as_flag(collide, "collide"))
         number = self._simulation.add_joint(settings)
         made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
         self._joints.append(made)
@@ -359,7 +363,7 @@ class WorldContents:
         self._check_own(b, "b")
         if a is b:
             raise SettingsError(f"a and b are both {a.name!r}")
-        self._simulation.set_collision(a.number, b.number, bool(collide))
+        self._simulation.set_collision(a.number, b.number, as_flag(collide, "collide"))
 
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):

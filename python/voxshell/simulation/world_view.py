@@ -5,8 +5,8 @@ from __future__ import annotations
 import weakref
 from typing import TYPE_CHECKING
 
-from voxshell.base.arguments import as_integer
-from voxshell.errors import InputTypeError, SettingsError
+from voxshell.base.arguments import as_flag, as_integer, as_text
+from voxshell.errors import SettingsError
 from voxshell.simulation.body_colors import as_body_colors
 from voxshell.simulation.live_view import LiveView
 from voxshell.simulation.world_queries import WorldQueries
@@ -93,8 +93,8 @@ class ViewedWorld(WorldQueries):
         from voxshell.viewer.live_page import LivePage
 
         number = as_integer(port, "port", 0, 65535)
-        if not isinstance(title, str):
-            raise InputTypeError(f"title must be a text, not {type(title).__name__}")
+        as_text(title, "title")
+        opens_browser = as_flag(open_browser, "open_browser")
         chosen = as_body_colors(colors)
         view = LiveView(
             self._simulation,
@@ -108,7 +108,7 @@ class ViewedWorld(WorldQueries):
         view.open(lambda: LivePage(view, port=number, title=title, colors=chosen))
         self._view = view
         weakref.finalize(self, view.close)
-        if open_browser:
+        if opens_browser:
             import webbrowser
 
             webbrowser.open(view.address)

@@ -117,3 +117,35 @@ def test_values_are_shown_in_a_short_line(value: object, shown: str):
     with pytest.raises(vx.SettingsError) as caught:
         arguments.as_real(value, "mass")
     assert str(caught.value) == f"mass must be a number, not {shown}"
+
+
+def test_flags_are_true_or_false():
+    assert arguments.as_flag(True, "sleeping") is True
+    assert arguments.as_flag(np.False_, "sleeping") is False
+    for value in ("no", 0, 1, None, [], np.ones(2)):
+        with pytest.raises(vx.SettingsError, match=r"^sleeping must be True or False, not "):
+            arguments.as_flag(value, "sleeping")
+
+
+def test_choices_are_words_of_a_list():
+    assert arguments.as_choice("a", "kind", ("a", "b")) == "a"
+    for value in ("c", ["a"], np.array(["a", "b"]), {}, None):
+        with pytest.raises(vx.SettingsError, match=r"^kind must be one of 'a', 'b', not "):
+            arguments.as_choice(value, "kind", ("a", "b"))
+
+
+def test_texts_and_callables_are_of_their_kind():
+    assert arguments.as_text("part", "name") == "part"
+    arguments.check_callable(None, "progress")
+    arguments.check_callable(print, "progress")
+    with pytest.raises(vx.InputTypeError, match="name must be a text, not int"):
+        arguments.as_text(5, "name")
+    with pytest.raises(vx.InputTypeError, match="progress must be callable, not int"):
+        arguments.check_callable(5, "progress")
+
+
+def test_infinity_is_a_number_and_no_array():
+    assert arguments.is_infinite(math.inf)
+    assert arguments.is_infinite(np.float32(math.inf))
+    for value in (-math.inf, 1.0, None, "inf", np.array([math.inf, 1.0])):
+        assert not arguments.is_infinite(value)

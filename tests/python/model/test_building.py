@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
@@ -117,3 +118,17 @@ def test_ctrl_c_stops_a_build_within_two_seconds(threads: int, progress: str):
     assert output.endswith("interrupted\n"), errors  # print() may be interrupted within a line
     assert child.returncode == 7
     assert errors == ""
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "message"),
+    [
+        ({"sign": np.array(["auto", "closed"])}, vx.SettingsError, "sign must be 'auto'"),
+        ({"open": ["auto"]}, vx.SettingsError, "open must be 'auto'"),
+        ({"cache": "no"}, vx.SettingsError, "cache must be True or False, not 'no'"),
+        ({"progress": 3}, vx.InputTypeError, "progress must be callable, not int"),
+    ],
+)
+def test_words_and_flags_of_a_wrong_type_are_told(settings, error, message):
+    with pytest.raises(error, match=message):
+        vx.Model.from_mesh(trimesh.creation.box(), resolution=10, **settings)

@@ -93,8 +93,8 @@ def test_a_pair_without_the_shell_asked_for_is_refused(ball: vx.Model, query):
             query(ball, vx.Plane(), shell="both")
 
 
-@pytest.mark.parametrize("query", [*QUERIES, *BATCHES])
-@pytest.mark.parametrize("shell", ["c", "", None, 0, ["a"], "A", ("a", "b")])
+@pytest.mark.parametrize("query", [*QUERIES, *BATCHES, vx.contact_bounds])
+@pytest.mark.parametrize("shell", ["c", "", None, 0, ["a"], "A", ("a", "b"), np.array(["a", "b"])])
 def test_a_wrong_shell_is_refused(ball: vx.Model, query, shell):
     choices = "'auto', 'fewest', 'a', 'b' or 'both'"
     with pytest.raises(vx.SettingsError, match=choices):

@@ -123,3 +123,11 @@ def test_an_inertia_that_no_body_has_loads_with_a_warning(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         vx.load_urdf(world, path, fixed_base=False, pose=(9, 0, 0))
+
+
+def test_targets_must_have_names():
+    robot = add(vx.World(), [link("a"), link("b")], [joint("revolute", "a", "b")])
+    with pytest.raises(vx.InputTypeError, match="positions must map the names of joints to num"):
+        robot.set_targets([0.5, 0.1])
+    with pytest.raises(vx.InputTypeError, match="velocities must map the names of joints to num"):
+        robot.set_target_velocities(3)

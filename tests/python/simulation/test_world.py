@@ -579,3 +579,69 @@ def test_worlds_and_what_belongs_to_them_are_not_copied(duplicate, brick):
     ):
         with pytest.raises(vx.InputTypeError, match=f"cannot be copied or pickled.*{remedy}"):
             duplicate(what)
+
+
+ARRAY = np.ones(2)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda w, _: vx.World(contact=["auto"]), vx.SettingsError, "contact must be one of"),
+        (lambda w, _: vx.World(solver=ARRAY), vx.SettingsError, "solver must be one of"),
+        (lambda w, _: vx.World(shell={}), vx.SettingsError, "shell must be one of"),
+        (lambda w, _: vx.World(sleeping="no"), vx.SettingsError, "sleeping must be True or False"),
+        (lambda w, _: vx.World(ccd_motion_threshold=ARRAY), vx.SettingsError, "must be a number"),
+        (lambda w, _: w.step(1, 3), vx.InputTypeError, "callback must be callable, not int"),
+        (lambda w, _: w.step(1, before=3), vx.InputTypeError, "before must be callable, not int"),
+        (lambda w, _: w.remove("x"), vx.InputTypeError, "must be a Body or a Joint, not str"),
+        (lambda w, _: w.add(vx.Sphere(1), name=5), vx.InputTypeError, "name must be a text"),
+        (lambda w, _: w.add(vx.Sphere(1), motion=ARRAY), vx.SettingsError, "motion must be one of"),
+        (lambda w, j: setattr(j.child, "name", 5), vx.InputTypeError, "name must be a text"),
+        (lambda w, j: setattr(j, "name", None), vx.InputTypeError, "name must be a text"),
+        (
+            lambda w, j: w.set_collision(j.child, w.bodies[1], "no"),
+            vx.SettingsError,
+            "collide must be True or False",
+        ),
+        (
+            lambda w, j: w.add_joint(vx.PointJoint(), None, j.child, collide=1),
+            vx.SettingsError,
+            "collide must be True or False",
+        ),
+        (
+            lambda w, j: w.add_joint(vx.PointJoint(), None, j.child, name=5),
+            vx.InputTypeError,
+            "name must be a text",
+        ),
+        (lambda w, j: j.follow(None, max_force=1), vx.InputTypeError, "leader must be a Joint"),
+        (
+            lambda w, j: j.set_target_position(0, max_force=1, max_speed=ARRAY),
+            vx.SettingsError,
+            "max_speed must be a number",
+        ),
+        (lambda w, _: vx.Compound(3), vx.InputTypeError, "parts must be pairs of a shape and"),
+        (lambda w, _: vx.ConvexDecomposition(5), vx.InputTypeError, "hulls must be arrays of"),
+        (
+            lambda w, _: w.record().save_html("a.html", title=None),
+            vx.InputTypeError,
+            "title must be a text, not NoneType",
+        ),
+    ],
+)
+def test_arguments_of_a_wrong_type_are_told_with_the_right_one(call, error, message):
+    world = vx.World()
+    joint = world.add_joint(vx.HingeJoint(), None, world.add(vx.Sphere(0.1)))
+    world.add(vx.Sphere(0.1), pose=at(x=1))
+    with pytest.raises(error, match=message):
+        call(world, joint)
+
+
+@pytest.mark.parametrize("size", [1e-5, 1e-6, 1e-7, 1e-9])
+def test_thin_round_bodies_fall(size):
+    """Their vertices were merged to none."""
+    world = vx.World()
+    for place, shape in enumerate((vx.Cylinder(size, 1), vx.Cylinder(1, size), vx.Cone(size, 1))):
+        body = world.add(shape, pose=at(x=3 * place))
+        world.step(10)
+        assert body.position[2] == pytest.approx(-9.81 * 55 / 200**2, rel=1e-3)

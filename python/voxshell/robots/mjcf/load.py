@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
+from voxshell.base.arguments import as_flag
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.description import shorten_names
 from voxshell.robots.lumps import find_lumps
@@ -120,6 +121,7 @@ def load_mjcf(
         0.1
     """
     world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
+    as_flag(self_collision, "self_collision")
     settings = MeshSettings(voxel_size, resolution, mesh_as)
     model = read_mjcf(path, world.gravity)
     robot, filters = model.robot, model.filters

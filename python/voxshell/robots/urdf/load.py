@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
+from voxshell.base.arguments import as_flag
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
@@ -109,12 +110,14 @@ def load_urdf(
         0.5
     """
     world_from_root = check_place(world, pose, friction)
+    is_fixed = as_flag(fixed_base, "fixed_base")
+    collides_itself = as_flag(self_collision, "self_collision")
     settings = MeshSettings(voxel_size, resolution, mesh_as)
     robot = read_urdf(path)
     lumps = find_lumps(robot)
     (root,) = robot.roots
     unique = list(dict.fromkeys(lumps.values()))
-    matter = complete_matter(robot, (it for it in unique if not (fixed_base and it is lumps[root])))
+    matter = complete_matter(robot, (it for it in unique if not (is_fixed and it is lumps[root])))
     shaper = Shaper(robot, settings)
     shapes = {lump: shaper.shape_of(lump) for lump in unique}
     meeting = [lump for lump, shape in shapes.items() if shape is not None]
@@ -125,7 +128,7 @@ def load_urdf(
         shapes,
         world_from_root,
         friction=friction,
-        apart=() if self_collision else combinations(meeting, 2),
+        apart=() if collides_itself else combinations(meeting, 2),
         joints_collide=False,
     )
     made = assembly.add(world)
