@@ -45,7 +45,8 @@ def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
     try:
         descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     except (OSError, ValueError) as error:
-        raise FileAccessError(f"cannot read {path}: {error}") from None
+        why = getattr(error, "strerror", None) or error
+        raise FileAccessError(f"cannot read {path}: {why}") from None
     try:
         status = os.fstat(descriptor)
         if stat.S_ISDIR(status.st_mode):
@@ -58,3 +59,23 @@ def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:
             return file.read(status.st_size)
     finally:
         os.close(descriptor)
+
+
+def read_needed_file(path: str | Path, most: int, what: str = "file") -> bytes:
+    """Read a whole file that an argument names, so that the argument is wrong if that fails.
+
+    Args:
+        path: As for :func:`read_small_file`.
+        most: Likewise.
+        what: Likewise.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        SettingsError: The file cannot be read otherwise.
+    """
+    try:
+        return read_small_file(path, most, what)
+    except MissingFileError:
+        raise
+    except FileAccessError as error:
+        raise SettingsError(str(error)) from error

@@ -9,7 +9,7 @@ from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from voxshell.base.arguments import show_value
-from voxshell.base.input_files import read_small_file
+from voxshell.base.input_files import read_needed_file
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -54,12 +54,13 @@ def read_text(path: Path, what: str) -> str:
 
     Raises:
         MissingFileError: The file does not exist.
-        SettingsError: The file is not a regular file, or is too large. The message names the file.
-        FileAccessError: The system refuses to read the file.
+        SettingsError: The file is not a regular file, is too large, or the system refuses to read
+            it. The message names the file.
         UnicodeDecodeError: The text is not UTF-8.
     """
     # A character takes at most four bytes.
-    text = read_small_file(path, 4 * _MOST_CHARACTERS, what).decode("utf-8")
+    data = read_needed_file(path, 4 * _MOST_CHARACTERS, what)
+    text = data.decode("utf-8-sig")  # editors of Windows begin a file with a byte order mark
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.base.arguments import show_value
-from voxshell.base.input_files import read_small_file
+from voxshell.base.input_files import read_needed_file
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import PoseError, SettingsError
 
@@ -73,7 +73,7 @@ def read_poses(path: Path) -> NDArray[np.float64]:
 
 
 def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
-    data = read_small_file(path, _MOST_BYTES, _WHAT)
+    data = read_needed_file(path, _MOST_BYTES, _WHAT)
     try:
         array = np.load(io.BytesIO(data), allow_pickle=False)
     except MemoryError:
@@ -90,7 +90,7 @@ def _read_array(path: Path) -> list[tuple[str, ArrayLike]]:
 
 
 def _read_table(path: Path) -> list[tuple[str, ArrayLike]]:
-    data = read_small_file(path, _MOST_BYTES, _WHAT)
+    data = read_needed_file(path, _MOST_BYTES, _WHAT)
     try:
         text = data.decode("utf-8-sig")
         lines = list(csv.reader(io.StringIO(text, newline=""), skipinitialspace=True))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import voxshell as vx
-from voxshell.base.input_files import check_exists, read_small_file
+from voxshell.base.input_files import check_exists, read_needed_file, read_small_file
 from voxshell.scenes.scene_file import read_scene
 
 ENTRANCES: dict[str, Callable[[str], object]] = {
@@ -43,6 +43,17 @@ def test_what_cannot_be_read_is_named(tmp_path: Path):
         assert str(path) in str(caught.value)
     with pytest.raises(vx.FileAccessError, match="cannot read "):
         read_small_file("a\0b", 3)
+
+
+def test_a_file_that_is_needed_is_a_wrong_argument_if_it_cannot_be_read(tmp_path: Path):
+    loop = tmp_path / "loop"
+    loop.symlink_to("loop")
+    with pytest.raises(vx.FileAccessError, match="loop: Too many levels of symbolic links"):
+        read_small_file(loop, 3)
+    with pytest.raises(vx.SettingsError, match="loop: Too many levels of symbolic links"):
+        read_needed_file(loop, 3)
+    with pytest.raises(vx.MissingFileError):
+        read_needed_file(tmp_path / "missing", 3)
 
 
 @pytest.mark.parametrize("name", ENTRANCES)

@@ -78,6 +78,8 @@ COMMANDS = [
         "query cone.vxs cone.vxs --poses spaces.csv",
         "spaces.csv:1: not all entries are numbers: column 1 is '0 0 0.01'; separate numbers with commas",
     ),
+    ("query cone.vxs cone.vxs --poses loop.csv", "cannot read loop.csv: Too many levels of"),
+    ("simulate loop.toml --out x", "cannot read loop.toml: Too many levels of symbolic links"),
     ("query cone.vxs cone.vxs --poses short.csv", "short.csv:2 must be 3"),
     ("query cone.vxs cone.vxs --poses none.csv", "none.csv holds no poses"),
     ("query cone.vxs cone.vxs --poses flat.npy", "flat.npy must hold an array of numbers"),
@@ -323,6 +325,8 @@ def things(tmp_path_factory, cone_path, cone_model_path):
     (folder / "poses.csv").write_text("x,y,z\n0,0,1\n0,zero,1\n")
     (folder / "typo.csv").write_text("0,0,O.01\n0,0,0.02\n")
     (folder / "spaces.csv").write_text("0 0 0.01\n")
+    for loop in ("loop.csv", "loop.toml"):
+        (folder / loop).symlink_to(loop)
     (folder / "short.csv").write_text("0,0,1\n0,1\n")
     (folder / "none.csv").write_text("x,y,z\n")
     np.save(folder / "flat.npy", np.zeros(3))

@@ -106,3 +106,12 @@ def test_a_pipe_is_no_scene_and_keeps_nobody_waiting(tmp_path: Path):
     os.mkfifo(tmp_path / "scene.toml")
     with pytest.raises(vx.SettingsError, match="not a regular file"):
         read_scene(tmp_path / "scene.toml")
+
+
+def test_a_byte_order_mark_is_skipped(tmp_path: Path):
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + ONE.encode())
+    assert list(read_scene(path).bodies) == ["a"]
+    path.write_bytes(b"\xef\xbb\xbf" + ONE.replace("mass = 1", "mass = -1").encode())
+    with pytest.raises(vx.SettingsError, match=r"scene\.toml:4: bodies\.a\.mass"):
+        read_scene(path)
