@@ -122,7 +122,7 @@ std::optional<Error> FieldBuilder::check_overlap() const {
   return Error{ErrorCode::kInvalidMesh,
                format_text("mesh overlaps itself by more than a voxel: %zu of %zu grid nodes "
                            "looked at are enclosed more than once or inside out (first near %s "
-                           "metres); unite its parts, or use winding numbers to find the inside",
+                           "meters); unite its parts, or use winding numbers to find the inside",
                            overlap_.places, overlap_.of, format_point(overlap_.first).c_str())};
 }
 

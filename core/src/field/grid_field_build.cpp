@@ -88,7 +88,7 @@ Error refuse_cutting(const TriangleMesh& mesh, std::size_t steps, unsigned threa
   return Error{
       ErrorCode::kInvalidMesh,
       format_text("mesh crosses itself too often: %zu of its %zu triangles are crossed (first near "
-                  "%s metres), and to cut them takes more than the limit of %.2g steps; unite its "
+                  "%s meters), and to cut them takes more than the limit of %.2g steps; unite its "
                   "parts, merge vertices that nearly coincide, or make its sheets thinner",
                   crossed.size(), mesh.triangles().size(), format_point((a + b + c) / 3.0).c_str(),
                   static_cast<double>(steps))};
@@ -99,7 +99,7 @@ Error refuse_crossings(const TriangleMesh& mesh, unsigned threads) {
   const auto [a, b, c] = mesh.corners(crossed.empty() ? 0 : crossed.front());
   return Error{ErrorCode::kInvalidMesh,
                format_text("mesh crosses itself: some of its surface does not bound the body (%zu "
-                           "triangles are crossed, first near %s metres); unite its parts, or use "
+                           "triangles are crossed, first near %s meters); unite its parts, or use "
                            "winding numbers to find the inside",
                            crossed.size(), format_point((a + b + c) / 3.0).c_str())};
 }
@@ -114,7 +114,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
       ErrorCode::kInvalidMesh,
       format_text("mesh encloses no volume: its winding number is above a half nowhere on the grid "
                   "(%zu open, %zu non-manifold and %zu wrongly oriented edges, first near %s "
-                  "metres); repair it, or give it a thickness",
+                  "meters); repair it, or give it a thickness",
                   report.defects.open_edges, report.defects.non_manifold_edges,
                   report.defects.flipped_edges,
                   format_point(report.defects.first_location).c_str())};
@@ -135,7 +135,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
         ErrorCode::kInvalidMesh,
         format_text("it is in doubt what the mesh has inside: on %.0f %% of its area it has "
                     "a winding number near a half on one of its sides (%zu open, %zu "
-                    "non-manifold and %zu wrongly oriented edges, first near %s metres); "
+                    "non-manifold and %zu wrongly oriented edges, first near %s meters); "
                     "repair it, or give it a thickness",
                     100.0 * (1.0 - report.confidence), report.defects.open_edges,
                     report.defects.non_manifold_edges, report.defects.flipped_edges,

@@ -146,7 +146,7 @@ Result<RowWinding> RowWinding::build(const TriangleMesh& mesh, const RowGrid& ro
     if (!is_sound) {
       const Place place = row_place(rows, row % rows.rows_y, row / rows.rows_y, 0);
       return Error{ErrorCode::kInvalidMesh,
-                   format_text("mesh is not closed: a line along x at y = %.4g, z = %.4g metres "
+                   format_text("mesh is not closed: a line along x at y = %.4g, z = %.4g meters "
                                "enters and leaves it a different number of times",
                                place.y, place.z)};
     }

@@ -41,7 +41,7 @@ Result<std::monostate> check_unit(const char* name, double size, const TriangleM
   if (!(size > longest_side(mesh)) || std::isinf(size)) return std::monostate{};
   return Error{ErrorCode::kInvalidMesh,
                format_text("mesh has a longest side of %.6g m, below the %s of %.6g m: check their "
-                           "units (a scale of 0.001 brings a mesh from millimetres to metres)",
+                           "units (a scale of 0.001 brings a mesh from millimeters to meters)",
                            longest_side(mesh), name, size)};
 }
 

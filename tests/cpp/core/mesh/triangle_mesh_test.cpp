@@ -236,7 +236,7 @@ TEST(TriangleMesh, CountsAndLocatesOpenEdges) {
   EXPECT_TRUE(at == (Vec3{0, -1, -1}) || at == (Vec3{1, 0, -1}) || at == (Vec3{0, 0, -1}))
       << at.x << " " << at.y << " " << at.z;
   expect_encloses_nothing(soup.mesh(), "not watertight: 3 open, 0 non-manifold and 0 wrongly");
-  expect_encloses_nothing(soup.mesh(), "-1] metres");
+  expect_encloses_nothing(soup.mesh(), "-1] meters");
 }
 
 TEST(TriangleMesh, CountsFlippedEdges) {
