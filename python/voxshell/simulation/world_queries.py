@@ -132,7 +132,17 @@ class WorldQueries(WorldContents):
             (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the
             shell's element), ``point_a``, ``point_b`` and ``normal`` ((3,), meters, world frame,
             the normal on body b and toward body a), ``depth`` (meters, positive where the bodies
-            overlap) and ``impulse`` (normal impulse of the last step, N s).
+            overlap) and ``impulse`` (normal impulse of the last step, N s). The normal force on body
+            a is ``impulse / world.time_step * normal``, newtons, and on body b the opposite.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ground = world.add(vx.Plane(), mass=0)
+            >>> ball = world.add(vx.Sphere(0.1), mass=2.0, pose=(0, 0, 0.1))
+            >>> world.step(100)
+            >>> round(float(world.contacts()["impulse"].sum() / world.time_step), 2)  # newtons
+            19.62
         """
         return as_contacts(self._simulation.contacts())
 
