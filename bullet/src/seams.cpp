@@ -360,18 +360,19 @@ void add_plane(const Touch& touch, double step, std::vector<Plane>& planes) {
 /// A body beside a place of a plane, on both sides along the plane.
 struct Beside {
   bool is_free;  ///< nothing of the body is in front of the plane
+  bool is_flat;  ///< the body is not round there
   bool is_face;  ///< the plane is that of a flat face of the body
 };
 Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, double reach,
                    Neighbor& body) {
-  Beside beside{true, false};
+  Beside beside{true, false, false};
   for (const Vec3& way : {aside, -aside}) {
     const Vec3 there = place + reach * (normal + way);
     const PlacedField& field = *body.nearest(there);
     beside.is_free = beside.is_free && field.distance(there) > kPartedOfReach * reach;
-    const Vec3 farther = place + kFaceOfReach * reach * (normal + way);
-    beside.is_face = beside.is_face || (dot(field.outwards(there), normal) >= kPartingFace &&
-                                        field.is_flat(there, farther));
+    if (!field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) continue;
+    beside.is_flat = true;
+    beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
   }
   return beside;
 }
@@ -402,7 +403,8 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
     const Beside on_other = look_beside(arrival.place, plane.normal, aside, reach, other);
     const Beside on_body = look_beside(touch.on_body, -plane.normal, aside, reach, body);
-    if (!on_other.is_free || !on_body.is_free || !(on_other.is_face || on_body.is_face)) continue;
+    if (!on_other.is_free || !on_body.is_free || !on_other.is_flat || !on_body.is_flat) continue;
+    if (!on_other.is_face && !on_body.is_face) continue;
     return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
   }
   return std::nullopt;

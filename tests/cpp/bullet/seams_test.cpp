@@ -184,13 +184,14 @@ std::size_t count_sideways(double gap, bool is_corrected) {
   }));
 }
 
-TEST(Seams, AreNotWideGaps) {
+TEST(Seams, MayBeWideGaps) {
   const std::size_t at_seam = count_sideways(0.0, false);
   ASSERT_GT(at_seam, 0u);
   EXPECT_EQ(count_sideways(0.0, true), 0u);
   const std::size_t at_gap = count_sideways(0.005, false);
   ASSERT_GT(at_gap, 0u);
-  EXPECT_EQ(count_sideways(0.005, true), at_gap);
+  // A body that is flush with the faces on both sides passes. The rest are guards.
+  EXPECT_LT(count_sideways(0.005, true), at_gap / 2);
 }
 
 TEST(Seams, OfOneBodyWithAnotherChangeNothing) {
