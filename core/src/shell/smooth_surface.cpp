@@ -39,8 +39,8 @@ constexpr double kProjected = 1e-5;
 /// Half of what Phong tessellation projects: see the class.
 constexpr double kShapeFactor = 0.5;
 
-/// Elements whose triangles are found together; any number does.
-constexpr std::size_t kElementsOfTask = 1024;
+/// Elements whose triangles one thread finds: some milliseconds of work. Smaller models take none.
+constexpr std::size_t kElementsOfTask = 8192;
 
 constexpr std::size_t kCorners = 3;
 constexpr std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }

@@ -21,7 +21,7 @@ SWEEP = """
     mesh = trimesh.creation.icosphere(6)
     poses = np.tile(np.eye(4), (20_000, 1, 1))
     poses[:, 0, 3] = np.linspace(1.95, 1.99, len(poses))
-    vx.World().add(ball)  # what is loaded late is there
+    vx.World().add(vx.Sphere(1.0))  # what is loaded late is there, and no memory is left over
 
     def simulate(threads=1):
         world = vx.World(threads=threads)
