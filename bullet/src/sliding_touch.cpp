@@ -77,7 +77,7 @@ class SlidingPlace {
   /// How much nearer they come to each other until the end of the step, if they go on as now along
   /// each other.
   std::optional<double> find_turn() {
-    const Vec3 way = step_.time_step * motion_.velocity_at(step_.middle);
+    const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centres(step_);
     within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
     const bool is_smaller = body_.is_shell != is_shell_larger(step_);
     const auto now = settle(0.0);
@@ -182,6 +182,14 @@ std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& 
   const auto met = place.find_touch(steps);
   if (!met) return std::nullopt;
   return place.contact_of(*met, contact);
+}
+
+Vec3 displacement_of_centres(const PairStep& step) {
+  const bool is_a = step.pair->shell_is_a;
+  const Vec3 velocity = is_a ? step.motion_a.velocity - step.motion_b.velocity
+                             : step.motion_b.velocity - step.motion_a.velocity;
+  const Matrix3& world_from_shell = step.pair->shell_side().world_from_geometry().rotation;
+  return step.time_step * (world_from_shell.transposed() * velocity);
 }
 
 std::optional<double> find_turn(const PairStep& step, const Contact& contact) {

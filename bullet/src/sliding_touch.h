@@ -21,6 +21,10 @@ namespace voxshell::bullet {
 std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
                                     const Contact& contact, double steps);
 
+/// How far the center of the shell's body moves against that of the field's within the step,
+/// without forces; shell's frame. Gears that turn against each other do not move.
+Vec3 displacement_of_centres(const PairStep& step);
+
 /// How much nearer the bodies come at a contact within the step, if they slide or roll along each
 /// other as they do now, metres: on a concave surface. None where no such surface goes on until the
 /// end of the step, and where neither body is round. Not for triangles.

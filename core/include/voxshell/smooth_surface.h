@@ -62,8 +62,8 @@ class SmoothSurface {
 
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
-  /// The nearest place of the surface, which is curved, to a point; exact if the point is near. A
-  /// near triangle as a guess shortens the search.
+  /// The nearest place of the surface to a point; exact if the point is near. A near triangle as a
+  /// guess shortens the search.
   Place nearest(const Vec3& point, std::uint32_t guess = 0) const;
   /// The nearest place of the flat triangles to a point, found by walking over adjacent ones.
   Place below(const Place& start, const Vec3& point) const;
@@ -112,7 +112,7 @@ class SmoothSurface {
   std::vector<std::uint32_t> triangle_of_element_;
   std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
   float most_lift_ = 0.0f;
-  std::unique_ptr<const ClosestPointTree> tree_;  ///< null where nothing is curved
+  std::unique_ptr<const ClosestPointTree> tree_;
 };
 
 }  // namespace voxshell

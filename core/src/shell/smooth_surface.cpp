@@ -1,7 +1,6 @@
 #include "voxshell/smooth_surface.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -329,8 +328,8 @@ struct SmoothSurface::Beside {
 };
 
 void SmoothSurface::find_elements(const PointShell& shell) {
-  if (!is_curved()) return;
   tree_ = std::make_unique<const ClosestPointTree>(*mesh_);
+  if (!is_curved()) return;
   const BoxFinder finder(bound_triangles(*mesh_));
   const Vec3 size = mesh_->bounds().extents();
   const double rounding = kRounding * std::max({size.x, size.y, size.z});
@@ -525,7 +524,6 @@ std::optional<SmoothSurface::Place> SmoothSurface::project(const Vec3& point, Pl
 }
 
 SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t guess) const {
-  assert(is_curved());
   bool is_searched = false;
   // Once the tree has found the part of the surface, what is nearest to its patches is near by.
   const auto find = [&](const Vec3& near, const Place& place) {
