@@ -548,7 +548,8 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
   // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
   // lean over the face of the very body that the corner is of.
   std::optional<Seam> found;
-  for (int round = 0; neighbors.size() > 1 && round < kSeamRounds; ++round) {
+  const int rounds = neighbors.size() > 1 ? kSeamRounds : 0;  // seams are of two bodies
+  for (int round = 0; round < rounds; ++round) {
     for (Neighbor& beside : neighbors) {
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);

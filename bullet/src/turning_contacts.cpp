@@ -18,11 +18,11 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
   for (const Contact& contact : contacts) {
     const Impact impact = impact_of(step, contact);
     if (impact.gap > near || !std::ranges::binary_search(exact, contact.id)) continue;
-    turning_.push_back({&contact, contact.id, impact, find_turn(step, contact)});
+    turning_.push_back({contact.id, contact.normal, impact, find_turn(step, contact)});
   }
   double fastest = 0.0;
   for (Turning& turning : turning_) {
-    const double turn = mean_beside(*turning.contact).value_or(0.0);
+    const double turn = mean_beside(turning.normal).value_or(0.0);
     const double gap = turning.impact.gap;
     const bool touches = gap <= std::max(step.rest_margin, kMostGapOfTurn * turn);
     const double closing = turning.impact.approach * step.time_step;
@@ -35,18 +35,18 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
     motion_ = step.motion;
     motion_->velocity_of_fall = {};
     motion_->velocity = motion_->velocity + (turning.impact.approach + turning.speed) *
-                                                static_cast<Vec3>(turning.contact->normal);
+                                                static_cast<Vec3>(turning.normal);
   }
   std::erase_if(turning_, [](const Turning& turning) { return turning.speed == 0.0; });
 }
 
-/// How much nearer the bodies come at the contacts that have a contact's normal, itself included:
+/// How much nearer the bodies come at the contacts that have a normal, about:
 /// both ends of a cylinder, which must not be turned aside because one was not found.
-std::optional<double> TurningContacts::mean_beside(const Contact& contact) const {
+std::optional<double> TurningContacts::mean_beside(const Vec3f& normal) const {
   double sum = 0.0;
   double count = 0.0;
   for (const Turning& other : turning_) {
-    if (!other.found || dot(other.contact->normal, contact.normal) < kDoubleCosine) continue;
+    if (!other.found || dot(other.normal, normal) < kDoubleCosine) continue;
     sum += *other.found;
     count += 1.0;
   }

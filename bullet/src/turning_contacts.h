@@ -34,14 +34,14 @@ class TurningContacts {
 
  private:
   struct Turning {
-    const Contact* contact;
     std::uint32_t id;
+    Vec3f normal;
     Impact impact;
     std::optional<double> found;  ///< how much nearer the bodies come, metres
     double speed = 0.0;
   };
 
-  std::optional<double> mean_beside(const Contact& contact) const;
+  std::optional<double> mean_beside(const Vec3f& normal) const;
 
   std::vector<Turning> turning_;  ///< ascending by id
   std::optional<RelativeMotion> motion_;
