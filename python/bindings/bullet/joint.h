@@ -80,8 +80,16 @@ class Joint {
   /// Counts turns.
   void finish_step() { position_ = unwrap(); }
 
-  double counted_position() const { return position_; }
-  void set_counted_position(double position) { position_ = position; }
+  /// What it knows of the last step.
+  struct LastStep {
+    double position;  ///< turns counted
+    btJointFeedback feedback;
+  };
+  LastStep last_step() const { return {position_, feedback_}; }
+  void set_last_step(const LastStep& last) {
+    position_ = last.position;
+    feedback_ = last.feedback;
+  }
 
  private:
   bool has_axis() const {

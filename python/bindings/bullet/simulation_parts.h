@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bullet/simulation.h"
-#include "voxshell/bullet/carried_normals.h"
+#include "voxshell/bullet/carried_contacts.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/kinematic_motion_world.h"
 #include "voxshell/bullet/model_shape.h"
@@ -28,7 +28,7 @@ struct Simulation::Body {
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
     : public bullet::SleepyWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<
-          bullet::SeamlessWorld<bullet::CarriedNormalsWorld<bullet::KinematicMotionWorld<>>>>>> {
+          bullet::SeamlessWorld<bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

@@ -49,8 +49,9 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 }  // namespace
 
 std::shared_ptr<const SimulationState> Simulation::save() {
-  world_->carry_normals();
   auto state = std::make_shared<SimulationState>();
+  state->contacts = compute_contacts();
+  world_->renew_carried_contacts();
   for (const auto& [number, body] : bodies_) {
     const btRigidBody& rigid_body = body->rigid_body;
     state->bodies.push_back(
@@ -61,7 +62,7 @@ std::shared_ptr<const SimulationState> Simulation::save() {
          rigid_body.getDeactivationTime(), body->material});
   }
   for (const auto& [number, joint] : joints_) {
-    state->joints.push_back({number, joint->motor, joint->counted_position()});
+    state->joints.push_back({number, joint->motor, joint->last_step()});
   }
   state->apart = apart_;
   for (int m = 0; m < dispatcher_->getNumManifolds(); ++m) {
@@ -74,7 +75,6 @@ std::shared_ptr<const SimulationState> Simulation::save() {
     }
     state->manifolds.push_back(std::move(saved));
   }
-  state->contacts = compute_contacts();
   state->step_count = step_count_;
   rebuild(*state);
   return state;
@@ -118,7 +118,7 @@ void Simulation::rebuild(const SimulationState& state) {
   for (const SimulationState::JointState& saved : state.joints) {
     Joint& joint = joints_[saved.number];
     joint.motor = saved.motor;
-    joint.set_counted_position(saved.position);
+    joint.set_last_step(saved.last_step);
     world_->addConstraint(&joint.constraint());
   }
   world_->getDispatchInfo().m_timeStep = settings_.time_step;

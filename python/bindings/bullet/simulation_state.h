@@ -29,7 +29,7 @@ struct SimulationState {
   struct JointState {
     std::size_t number;
     Motor motor;
-    double position;
+    Joint::LastStep last_step;
   };
   struct ManifoldState {
     int body_0;

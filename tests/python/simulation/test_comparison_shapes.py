@@ -73,3 +73,22 @@ def test_small_capsules_are_capsules(radius):
     assert solid.is_watertight
     expected = np.pi * radius**2 * length + 4 / 3 * np.pi * radius**3
     assert solid.volume == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize("speed", [0.3, 3.0])
+@pytest.mark.parametrize("ground", ["plane", "box"])
+def test_a_box_that_glides_does_not_sink(ground, speed, rate):
+    half = np.array((0.1, 0.05, 0.015))
+    world = vx.World(time_step=1 / rate)
+    if ground == "plane":
+        world.add(vx.Plane(), mass=0, friction=0)
+    else:
+        world.add(vx.Box((10, 1, 0.5)), mass=0, friction=0, pose=(0, 0, -0.5))
+    box = world.add(vx.Box(half), mass=1, friction=0, pose=(-4, 0, half[2]))
+    box.linear_velocity = (speed, 0, 0)
+    world.step(rate)
+    corners = half * np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    lowest = (corners @ box.pose[:3, :3].T + box.pose[:3, 3])[:, 2].min()
+    assert abs(lowest) < 2e-5
+    assert box.linear_velocity[0] == pytest.approx(speed, rel=1e-3)

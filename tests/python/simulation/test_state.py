@@ -206,6 +206,39 @@ def test_forces_not_yet_spent_are_in_the_state(ring):
         world.restore_state(state)
 
 
+def test_reactions_of_joints_are_in_the_state():
+    world = vx.World()
+    lift = world.add(vx.Box((0.1, 0.1, 0.1)), mass=1.0, pose=(0, 0, 1.0))
+    joint = world.add_joint(vx.SliderJoint(axis=(0, 0, 1)), None, lift)
+    joint.set_target_position(0.0, max_force=1000.0, max_speed=0.5)
+    world.step(50)
+    force = joint.reaction.force
+    state = world.save_state()
+    np.testing.assert_array_equal(joint.reaction.force, force)
+    world.step(10, before=lambda _: lift.apply_force((50, 0, -200)))
+    assert abs(joint.reaction.force[0]) > 10
+    world.restore_state(state)
+    np.testing.assert_array_equal(joint.reaction.force, force)
+
+
+def test_saving_changes_no_contact_that_is_shown():
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    tray = world.add(vx.Box((0.5, 0.1, 0.02)), mass=1.0, pose=(0, 0, 0.5))
+    tray.angular_velocity = (0, 1, 0)
+    for i in range(4):
+        world.add(vx.Cone(radius=0.05, height=0.1), mass=0.1, pose=(0.2 * i - 0.3, 0, 0.57))
+    shown = 0
+    for _ in range(100):
+        world.step()
+        before = world.contacts()
+        world.save_state()
+        for name in before.dtype.names:
+            np.testing.assert_array_equal(world.contacts()[name], before[name], err_msg=name)
+        shown += len(before)
+    assert shown > 100
+
+
 def test_states_are_for_their_world_and_its_bodies(ring):
     world = vx.World()
     body = world.add(ring, name="ring")

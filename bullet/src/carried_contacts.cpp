@@ -1,4 +1,4 @@
-#include "voxshell/bullet/carried_normals.h"
+#include "voxshell/bullet/carried_contacts.h"
 
 #include <cstddef>
 #include <optional>
@@ -16,9 +16,15 @@ int id_of(const btCollisionObject& object) {
 
 }  // namespace
 
-void CarriedNormals::carry(btDispatcher& dispatcher, const btCollisionObjectArray& objects) {
+void CarriedContacts::renew(btDispatcher& dispatcher, const btCollisionObjectArray& objects) {
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    turn(*dispatcher.getManifoldByIndexInternal(i));
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    if (manifold.getNumContacts() == 0) continue;
+    const btCollisionObject& a = *manifold.getBody0();
+    const btCollisionObject& b = *manifold.getBody1();
+    if (has_model(*a.getCollisionShape()) || has_model(*b.getCollisionShape())) continue;
+    turn(manifold);
+    manifold.refreshContactPoints(a.getWorldTransform(), b.getWorldTransform());
   }
   known_.resize(static_cast<std::size_t>(objects.size()));
   for (int i = 0; i < objects.size(); ++i) {
@@ -28,7 +34,7 @@ void CarriedNormals::carry(btDispatcher& dispatcher, const btCollisionObjectArra
 }
 
 /// How a body has turned since the last call; null where that is not known, or not at all.
-std::optional<btMatrix3x3> CarriedNormals::turn_of(const btCollisionObject& body) const {
+std::optional<btMatrix3x3> CarriedContacts::turn_of(const btCollisionObject& body) const {
   const auto place = static_cast<std::size_t>(body.getWorldArrayIndex());
   if (place >= known_.size() || known_[place].id != id_of(body)) return std::nullopt;
   const btMatrix3x3& basis = body.getWorldTransform().getBasis();
@@ -36,13 +42,9 @@ std::optional<btMatrix3x3> CarriedNormals::turn_of(const btCollisionObject& body
   return basis * known_[place].basis.transpose();
 }
 
-void CarriedNormals::turn(btPersistentManifold& manifold) const {
-  if (manifold.getNumContacts() == 0) return;
-  const btCollisionObject& a = *manifold.getBody0();
-  const btCollisionObject& b = *manifold.getBody1();
-  if (has_model(*a.getCollisionShape()) || has_model(*b.getCollisionShape())) return;
-  const auto of_a = turn_of(a);
-  const auto of_b = turn_of(b);
+void CarriedContacts::turn(btPersistentManifold& manifold) const {
+  const auto of_a = turn_of(*manifold.getBody0());
+  const auto of_b = turn_of(*manifold.getBody1());
   if (!of_a || !of_b) return;
   // The trace is 1 plus twice the cosine of the angle.
   const auto trace = [](const btMatrix3x3& m) { return m[0][0] + m[1][1] + m[2][2]; };
