@@ -402,8 +402,9 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     if (!body.has_field() || !other.has_field()) return std::nullopt;
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
     const Beside on_other = look_beside(arrival.place, plane.normal, aside, reach, other);
+    if (!on_other.is_free || !on_other.is_flat) continue;
     const Beside on_body = look_beside(touch.on_body, -plane.normal, aside, reach, body);
-    if (!on_other.is_free || !on_body.is_free || !on_other.is_flat || !on_body.is_flat) continue;
+    if (!on_body.is_free || !on_body.is_flat) continue;
     if (!on_other.is_face && !on_body.is_face) continue;
     return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
   }

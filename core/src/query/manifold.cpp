@@ -344,13 +344,15 @@ std::span<const Contact> find_deepest_per_segment(const Field& field, const Poin
     const simd::Arrivals<V> arriving = posed_arrivals.view();
     const auto& kernels = simd::query_kernels<V>(simd::active_isa());
     // Segments finer than slots have a bucket each.
-    const simd::Seeds seeds =
+    simd::Seeds seeds =
         walk_down(posed, tree, margin, 0.0f, SphereBounds::kWanted, state, [&](simd::Seeds& left) {
           keep_arriving(arriving, tree, 0.0f, left);
           return depth > tree.depth || are_few(left, tree);
         });
+    if (are_slots(seeds, tree)) keep_arriving(arriving, tree, 0.0f, seeds);
     simd::PointList points = state.empty_points();
-    if (are_slots(seeds, tree)) {
+    // Whether a point arrives takes longer than listing it, so only the deepest are asked.
+    if (are_slots(seeds, tree) && (arriving.count == 0 || depth > tree.depth)) {
       kernels.evaluate(posed, tree, seeds.nodes, margin, points);
       if (arriving.count > 0) kernels.keep_arriving_points(arriving, 0.0f, points);
       keep_deepest_per_segment(points, shell.tree(), level);
