@@ -165,6 +165,8 @@ Rebound rebound_of(const PairStep& step, const Impact& impact) {
   const double climb = 2.0 * gap * g_dt / step.time_step;
   const double energy =
       std::max(step.restitution * step.restitution * (v * v + climb + g_dt * v), step.owed_energy);
+  // Without energy it only stops there, whichever way forces have it go.
+  if (energy == 0.0) return {-gap / step.time_step, 0.0};
   const double square = 0.25 * g_dt * g_dt + energy - climb;
   const double speed = square > 0.0 ? std::sqrt(square) - 0.5 * g_dt : -1.0;
   if (speed < 0.0) return {-gap / step.time_step, energy};

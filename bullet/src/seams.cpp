@@ -394,16 +394,20 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
   for (const Plane& plane : planes) {
     const double along = dot(touch.normal, plane.normal);
     if (along >= kPartingFace || along < -kSeamOpposed) continue;
-    if (std::abs(plane.height(arrival.place)) > reach) continue;
+    // What the plane carries does not fall to it.
+    const double fall = std::max(-dot(arrival.fall, plane.normal), 0.0);
+    const double height = plane.height(arrival.place);
+    if (height < -reach || height > reach + fall) continue;
+    const Vec3 down = -std::clamp(height, 0.0, fall) * plane.normal;
     // Of two planes that part the bodies, it is the one of more contacts, unless they are farther
     // apart along the other one.
     const double apart = plane.height(touch.on_body) - std::min(touch.gap, 0.0);
     if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
     if (!body.has_field() || !other.has_field()) return std::nullopt;
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
-    const Beside on_other = look_beside(arrival.place, plane.normal, aside, reach, other);
+    const Beside on_other = look_beside(arrival.place + down, plane.normal, aside, reach, other);
     if (!on_other.is_free || !on_other.is_flat) continue;
-    const Beside on_body = look_beside(touch.on_body, -plane.normal, aside, reach, body);
+    const Beside on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach, body);
     if (!on_body.is_free || !on_body.is_flat) continue;
     if (!on_other.is_face && !on_body.is_face) continue;
     return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
@@ -522,7 +526,7 @@ void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
   seamless.keep(/*has_seams=*/corrections.size() > corrections_before);
 }
 
-/// The planes of what the body touches.
+/// The planes of what the body touches, those of most contacts first.
 void Seams::Scratch::find_planes(std::span<const Touching> of_body) {
   planes.clear();
   for (const Touching& each : of_body) {
@@ -532,6 +536,7 @@ void Seams::Scratch::find_planes(std::span<const Touching> of_body) {
       add_plane(touch_of(each.manifold->getContactPoint(i), is_first), step, planes);
     }
   }
+  std::ranges::stable_sort(planes, std::ranges::greater{}, &Plane::count);
 }
 
 /// The seam that a touch of the body with one of its neighbors is at.
