@@ -392,12 +392,13 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     return own != planes.end() ? own->count : 0;
   };
   for (const Plane& plane : planes) {
-    const double along = dot(touch.normal, plane.normal);
-    if (along >= kPartingFace || along < -kSeamOpposed) continue;
     // What the plane carries does not fall to it.
     const double fall = std::max(-dot(arrival.fall, plane.normal), 0.0);
     const double height = plane.height(arrival.place);
     if (height < -reach || height > reach + fall) continue;
+    const double along = dot(touch.normal, plane.normal);
+    if (along >= kOwnOfPlane) return std::nullopt;
+    if (along < -kSeamOpposed) continue;
     const Vec3 down = -std::clamp(height, 0.0, fall) * plane.normal;
     // Of two planes that part the bodies, it is the one of more contacts, unless they are farther
     // apart along the other one.
