@@ -70,12 +70,17 @@ FeatureHold hold_on_the_way_in(const Feature& feature, const Vec3& middle, const
 }
 
 /// Nothing pushes a feature away from its shape's middle: it has passed the middle of a wall, or
-/// its edge is nearer than the face that it came through.
+/// its edge is nearer than the face that it came through. Where a corner touches an edge that is
+/// flush with it, others of its shape's places tell which of the two faces it touches.
 FeatureHold turn_inwards(const FeatureHold& hold, const Feature& feature, const Vec3& middle,
                          const GridField& field) {
   const double inwards = dot(static_cast<Vec3>(hold.outwards), middle - feature.place);
-  const bool is_turned = hold.distance >= 0.0 || feature.place == middle || inwards > 0.0;
-  return is_turned ? hold : hold_on_the_way_in(feature, middle, field, hold);
+  if (feature.place == middle || inwards > 0.0) return hold;
+  const bool is_corner = feature.radius == 0.0;
+  if (is_corner && std::abs(hold.distance) < kLeftOfVoxel * field.voxel_size()) {
+    return {hold.distance, {}};
+  }
+  return hold.distance >= 0.0 ? hold : hold_on_the_way_in(feature, middle, field, hold);
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+"""Drawers between rails, pushed beside their middle: corners carry them, and friction brakes them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+import voxshell as vx
+
+LENGTH, WIDTH, HEIGHT, PLAY = 0.2, 0.1, 0.03, 1e-3
+FORCE, LEVER, FRICTION = 5.0, 0.09, 0.5
+
+
+def rail(side: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Half extents and middle of a rail, which stands on the floor like the drawer."""
+    return (0.8, 0.015, 0.03), (0.0, side * (WIDTH / 2 + PLAY + 0.015), 0.03)
+
+
+def rails(kind: str) -> vx.Compound | vx.Model:
+    if kind == "boxes":
+        return vx.Compound([(vx.Box(half), middle) for half, middle in map(rail, (-1, 1))])
+    bars = []
+    for half, middle in map(rail, (-1, 1)):
+        bar = trimesh.creation.box(2 * np.array(half))
+        bars.append(bar.apply_translation(middle))
+    return vx.Model.from_mesh(trimesh.util.concatenate(bars), cache=False)
+
+
+# Drawers of Bullet's between model rails, and the reverse, did not move: their lower edges are
+# flush with the rails', which have two normals there.
+@pytest.mark.parametrize("rate", [1000, 200])
+@pytest.mark.parametrize("drawer", ["model", "box"])
+@pytest.mark.parametrize("kind", ["model", "boxes"])
+def test_a_drawer_slides_as_statics_predicts(kind, drawer, rate):
+    world = vx.World(time_step=1 / rate)
+    world.add(vx.Plane(), mass=0, friction=0)
+    world.add(rails(kind), mass=0, friction=1)
+    half = np.array((LENGTH, WIDTH, HEIGHT)) / 2
+    shape = vx.Box(half) if drawer == "box" else trimesh.creation.box(2 * half)
+    body = world.add(shape, mass=1, friction=FRICTION, pose=(-0.6, 0, HEIGHT / 2))
+
+    def push(_):
+        body.apply_force((FORCE, 0, 0), at=(body.pose @ (-LENGTH / 2, LEVER, 0, 1))[:3])
+
+    world.step(round(0.4 * rate), before=push)
+    before = body.linear_velocity[0]
+    world.step(round(0.4 * rate), before=push)
+    # The drawer is turned by its play, and two of its corners carry it.
+    turn = 2 * PLAY / LENGTH
+    lever = LEVER * np.cos(turn) + LENGTH / 2 * np.sin(turn)
+    between = LENGTH * np.cos(turn) - WIDTH * np.sin(turn)
+    acceleration = FORCE * (1 - 2 * FRICTION * lever / between)
+    assert (body.linear_velocity[0] - before) / 0.4 == pytest.approx(acceleration, rel=0.05)
