@@ -370,9 +370,18 @@ Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, dou
     const Vec3 there = place + reach * (normal + way);
     const PlacedField& field = *body.nearest(there);
     beside.is_free = beside.is_free && field.distance(there) > kPartedOfReach * reach;
-    if (!field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) continue;
-    beside.is_flat = true;
-    beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
+    if (field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) {
+      beside.is_flat = true;
+      beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
+      continue;
+    }
+    // Along a rim, a face is on neither side, but behind the rim.
+    const Vec3 out = field.outwards(there);
+    const Vec3 behind = -normalized(out - dot(out, normal) * normal);
+    const Vec3 over = place + reach * (normal + 2.0 * behind);
+    const bool is_over_face = field.is_flat(over, over + kFaceOfReach * reach * behind) &&
+                              dot(field.outwards(over), normal) >= kPartingFace;
+    if (behind != Vec3{} && is_over_face) beside.is_flat = beside.is_face = true;
   }
   return beside;
 }
