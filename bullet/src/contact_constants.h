@@ -461,6 +461,13 @@ inline constexpr double kSeamOpposed = 0.5;
 /// Contacts that lean by up to 45 degrees carry the body, and are turned; others are removed.
 inline constexpr double kTurnedCosine = 0.70710678118654752;
 
+// ---- checked motion -----------------------------------------------------------------------------
+// Decision 63.
+
+/// Bodies are checked that the solver moves farther than expected by more than this fraction of
+/// their size. Smaller: bodies in heaps are. Larger: what it makes fast enters walls by that much.
+inline constexpr double kCheckedOfSize = 0.01;
+
 // ---- segments -----------------------------------------------------------------------------------
 
 /// Level of the segments, up to 64.

@@ -2,6 +2,7 @@
 
 #include "bullet/simulation.h"
 #include "voxshell/bullet/carried_contacts.h"
+#include "voxshell/bullet/checked_motion.h"
 #include "voxshell/bullet/force_aware_world.h"
 #include "voxshell/bullet/kinematic_motion_world.h"
 #include "voxshell/bullet/model_shape.h"
@@ -27,8 +28,9 @@ struct Simulation::Body {
 
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
-    : public bullet::SleepyWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<
-          bullet::SeamlessWorld<bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>> {
+    : public bullet::SleepyWorld<
+          bullet::CheckedMotionWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<
+              bullet::SeamlessWorld<bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

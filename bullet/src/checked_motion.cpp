@@ -1,0 +1,148 @@
+#include "voxshell/bullet/checked_motion.h"
+
+#include <algorithm>
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+
+#include "compound_algorithm.h"
+#include "contact_constants.h"
+
+namespace voxshell::bullet {
+namespace {
+
+/// Makes a body's bounds hold its motion within the step, too.
+void extend_bounds(btRigidBody& body, btScalar time_step, btBroadphaseInterface& broadphase,
+                   btDispatcher& dispatcher) {
+  btTransform there;
+  body.predictIntegratedTransform(time_step, there);
+  btVector3 least;
+  btVector3 most;
+  body.getCollisionShape()->getAabb(there, least, most);
+  btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
+  least.setMin(proxy->m_aabbMin);
+  most.setMax(proxy->m_aabbMax);
+  broadphase.setAabb(proxy, least, most, &dispatcher);
+}
+
+int count_points(btBroadphasePair& pair) {
+  if (pair.m_algorithm == nullptr) return 0;
+  btManifoldArray manifolds;
+  pair.m_algorithm->getAllContactManifolds(manifolds);
+  int count = 0;
+  for (int i = 0; i < manifolds.size(); ++i) count += manifolds[i]->getNumContacts();
+  return count;
+}
+
+/// Searches for contacts of pairs that had none.
+class SearchAgain : public btOverlapCallback {
+ public:
+  SearchAgain(const std::vector<btRigidBody*>& faster, btCollisionDispatcher& dispatcher,
+              const btDispatcherInfo& info)
+      : faster_(faster), dispatcher_(dispatcher), info_(info) {}
+
+  bool processOverlap(btBroadphasePair& pair) override {
+    const auto* const a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
+    const auto* const b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+    const auto is_faster = [&](const btCollisionObject* object) {
+      return std::ranges::binary_search(faster_, btRigidBody::upcast(object));
+    };
+    if (!is_faster(a) && !is_faster(b)) return false;
+    if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
+    if (count_points(pair) > 0) return false;
+    dispatcher_.getNearCallback()(pair, dispatcher_, info_);
+    has_found_ = has_found_ || count_points(pair) > 0;
+    return false;  // the pair stays
+  }
+
+  bool has_found() const { return has_found_; }
+
+ private:
+  const std::vector<btRigidBody*>& faster_;
+  btCollisionDispatcher& dispatcher_;
+  const btDispatcherInfo& info_;
+  bool has_found_ = false;
+};
+
+/// Undoes a factor by axis; where that is 0, so is what it made.
+btVector3 divide(const btVector3& v, const btVector3& factor) {
+  const auto by = [](btScalar x, btScalar f) { return f != 0 ? x / f : btScalar(0); };
+  return {by(v.x(), factor.x()), by(v.y(), factor.y()), by(v.z(), factor.z())};
+}
+
+}  // namespace
+
+CheckedMotion::State CheckedMotion::State::of(const btRigidBody& body) {
+  return {body.getWorldTransform(), body.getLinearVelocity(), body.getAngularVelocity()};
+}
+
+void CheckedMotion::State::put_on(btRigidBody& body) const {
+  body.setWorldTransform(world_from_body);
+  body.setLinearVelocity(linear_velocity);
+  body.setAngularVelocity(angular_velocity);
+}
+
+void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies) {
+  all_.clear();
+  for (int i = 0; i < bodies.size(); ++i) {
+    btRigidBody& body = *bodies[i];
+    if (!(body.getInvMass() > 0) || !body.isActive()) continue;
+    const State before = State::of(body);
+    all_.push_back({&body, before, before, body.getTotalForce(), body.getTotalTorque()});
+  }
+}
+
+/// Whether a place of the body moves farther than the search for contacts expected, by half of what
+/// it expected and a fraction of the body's size.
+bool CheckedMotion::is_faster(const Checked& checked, btScalar time_step) {
+  const btRigidBody& body = *checked.body;
+  const btScalar size = body.getCollisionShape()->getAngularMotionDisc();
+  const auto displacement = [&](const btVector3& linear, const btVector3& angular) {
+    return time_step * (linear.length() + size * angular.length());
+  };
+  const State& before = checked.before;
+  const State& solved = checked.solved;
+  const btScalar least = static_cast<btScalar>(kCheckedOfSize) * size;
+  if (displacement(solved.linear_velocity, solved.angular_velocity) <= least) return false;
+  const btVector3 of_forces = (body.getInvMass() * time_step) * checked.force;
+  const btVector3 change = solved.linear_velocity - before.linear_velocity;
+  const btVector3 turning = solved.angular_velocity - before.angular_velocity;
+  const btScalar unexpected =
+      std::min(displacement(change, turning), displacement(change - of_forces, turning));
+  const btScalar expected = displacement(before.linear_velocity, before.angular_velocity);
+  return unexpected > btScalar(0.5) * expected + least;
+}
+
+bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                                  const btDispatcherInfo& info) {
+  faster_.clear();
+  for (Checked& checked : all_) {
+    checked.solved = State::of(*checked.body);
+    if (is_faster(checked, info.m_timeStep)) faster_.push_back(checked.body);
+  }
+  if (faster_.empty()) return false;
+  std::ranges::sort(faster_);
+  for (const Checked& checked : all_) {
+    // Their velocity has what forces add.
+    State{checked.before.world_from_body, checked.solved.linear_velocity,
+          checked.solved.angular_velocity}
+        .put_on(*checked.body);
+    checked.body->clearForces();
+  }
+  for (btRigidBody* const body : faster_) {
+    extend_bounds(*body, info.m_timeStep, broadphase, dispatcher);
+  }
+  broadphase.calculateOverlappingPairs(&dispatcher);
+  SearchAgain search(faster_, static_cast<btCollisionDispatcher&>(dispatcher), info);
+  broadphase.getOverlappingPairCache()->processAllOverlappingPairs(&search, &dispatcher, info);
+  for (const Checked& checked : all_) {
+    (search.has_found() ? checked.before : checked.solved).put_on(*checked.body);
+    checked.body->applyCentralForce(divide(checked.force, checked.body->getLinearFactor()));
+    checked.body->applyTorque(divide(checked.torque, checked.body->getAngularFactor()));
+  }
+  return search.has_found();
+}
+
+}  // namespace voxshell::bullet
