@@ -23,9 +23,9 @@ inline constexpr double kRestMarginOfThickness = 0.05;
 /// A pair needs CCD where it moves in a step by more than this fraction of a model's thickness.
 /// Larger: a body may pass the middle of a wall in one step, and is pushed out of its far side.
 inline constexpr double kCcdOfThickness = 0.4;
-/// The same as a fraction of a model's longest side. Larger: bodies penetrate visibly before they
-/// stop. Of a 20th, rebounds of a ball of 0.2 m were no longer those of its restitution. Decision
-/// 26.
+/// The same as a fraction of a model's longest side, or of the diameter of the ball about a shape
+/// of Bullet's. Larger: bodies penetrate visibly before they stop, and climb low steps. Of a 20th,
+/// rebounds of a ball of 0.2 m were no longer those of its restitution. Decision 26.
 inline constexpr double kCcdOfSize = 0.02;
 /// The same as a fraction of the diameter of the ball that fits into a shape of Bullet's.
 inline constexpr double kCcdOfInnerDiameter = 0.125;

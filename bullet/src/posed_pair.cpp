@@ -200,7 +200,9 @@ double Side::thinnest() const {
 }
 
 double Side::detail() const {
-  if (model_ == nullptr) return kCcdOfInnerDiameter * thinnest();
+  if (model_ == nullptr) {
+    return std::min(kCcdOfInnerDiameter * thinnest(), 2.0 * kCcdOfSize * bounding_ball().radius);
+  }
   const Vec3 sides = model_->bounds().extents();
   return std::min(kCcdOfThickness * thinnest(), kCcdOfSize * std::max({sides.x, sides.y, sides.z}));
 }
