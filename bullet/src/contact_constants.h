@@ -439,12 +439,12 @@ inline constexpr double kSeamFlush = 0.9;
 inline constexpr double kSeamKeptOfRadius = 1e-4;
 /// How often a contact is compared with all bodies beside it: two seams cross where four meet.
 inline constexpr int kSeamRounds = 2;
-/// Behind the plane that parts two bodies, the one that it carries has nothing within this fraction
-/// of the reach. Larger: bodies that tilt a little are not parted.
+/// On either side, behind the plane that parts two bodies, the one that it carries has nothing
+/// within this fraction of the reach. Larger: bodies that tilt a little are not parted.
 inline constexpr double kPartedOfReach = 0.5;
-/// In front of it, the other one has nothing within this fraction of the reach. Smaller: gentle
-/// ramps that begin at the plane act no longer, from two degrees on.
-inline constexpr double kFreeOfReach = 0.97;
+/// In front of it, the other one has nothing within this fraction. Smaller: gentle ramps that begin
+/// at the plane act no longer. Larger: nor do holes that a body tilts in by less than two degrees.
+inline constexpr double kRoomOfReach = 0.97;
 /// One of them has a face there with the plane's normal, to this cosine: 8 degrees. Smaller: planes
 /// through edges part flush bodies, and turn contacts of their faces.
 inline constexpr double kPartingFace = 0.99;

@@ -357,20 +357,19 @@ void add_plane(const Touch& touch, double step, std::vector<Plane>& planes) {
   }
 }
 
-/// A body beside a place of a plane, on both sides along the plane. Nothing of it is in front of
-/// the plane if it is farther away there than a fraction of the reach.
+/// A body beside a place of a plane, on both sides along the plane.
 struct Beside {
-  bool is_free;  ///< nothing of the body is in front of the plane
   bool is_flat;  ///< the body is not round there
   bool is_face;  ///< the plane is that of a flat face of the body
+  double room;   ///< how near it comes to places in front of the plane, metres
 };
 Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, double reach,
-                   double free_of_reach, Neighbor& body) {
-  Beside beside{true, false, false};
+                   Neighbor& body) {
+  Beside beside{false, false, std::numeric_limits<double>::infinity()};
   for (const Vec3& way : {aside, -aside}) {
     const Vec3 there = place + reach * (normal + way);
     const PlacedField& field = *body.nearest(there);
-    beside.is_free = beside.is_free && field.distance(there) > free_of_reach * reach;
+    beside.room = std::min(beside.room, field.distance(there));
     if (field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) {
       beside.is_flat = true;
       beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
@@ -416,12 +415,10 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
     if (!body.has_field() || !other.has_field()) return std::nullopt;
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
-    const Beside on_other = look_beside(arrival.place - height * plane.normal, plane.normal, aside,
-                                        reach, kFreeOfReach, other);
-    if (!on_other.is_free || !on_other.is_flat) continue;
-    const Beside on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach,
-                                       kPartedOfReach, body);
-    if (!on_body.is_free || !on_body.is_flat) continue;
+    const Beside on_other = look_beside(arrival.place + down, plane.normal, aside, reach, other);
+    if (!on_other.is_flat || on_other.room < kRoomOfReach * reach) continue;
+    const Beside on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach, body);
+    if (!on_body.is_flat || on_body.room < kPartedOfReach * reach) continue;
     if (!on_other.is_face && !on_body.is_face) continue;
     return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
   }

@@ -10,6 +10,7 @@ import pytest
 import voxshell as vx
 from scipy.spatial.transform import Rotation
 from shapely import box as rectangle
+from trimesh.convex import convex_hull
 from trimesh.creation import box, cylinder, extrude_polygon, icosphere, torus
 
 RATES = (1000, 200, 60, 30)
@@ -173,6 +174,50 @@ def test_flat_bodies_glide_over_a_grate(yaw, friction, speed, shape, rate):
     assert body.position[0] - start == pytest.approx(way, rel=0.02)
     assert body.position[2] == pytest.approx(0.05, abs=1e-4)
     assert np.linalg.norm(body.angular_velocity) < 0.3
+
+
+def wedge(angle: float) -> vx.Model:
+    """It rises from the origin along x."""
+    corners = [(0, 0), (0.3, 0.3 * math.tan(angle)), (0.3, -0.04), (0, -0.04)]
+    points = [(x, y, z) for y in (-0.2, 0.2) for x, z in corners]
+    return vx.Model.from_mesh(convex_hull(points), cache=False)
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize("shape", ["model", "box"])
+def test_a_cube_climbs_a_gentle_ramp_of_another_body(shape, rate):
+    angle = math.radians(5)
+    world = vx.World(time_step=1 / rate)
+    world.add(wedge(angle), mass=0, friction=0)
+    floor = vx.Model.from_mesh(box((0.5, 0.4, 0.04)), cache=False)
+    world.add(floor, mass=0, friction=0, pose=(-0.25, 0, -0.02))
+    half = np.array((0.03, 0.03, 0.03))
+    cube = vx.Box(half) if shape == "box" else box(2 * half)
+    body = world.add(cube, mass=1, friction=0, pose=(-0.1, 0.003, 0.03))
+    body.linear_velocity = (0.6, 0, 0)
+    highest = 0.0
+    for _ in range(rate):
+        world.step()
+        highest = max(highest, body.position[2] - 0.03)
+    assert highest == pytest.approx(0.6**2 / (2 * 9.81), rel=0.05)
+
+
+# Steps of 2 mm and more stop what slides, whatever the body and its rate.
+@pytest.mark.parametrize("rate", [1000, 200, 60, 30])
+@pytest.mark.parametrize("shape", ["model", "box"])
+@pytest.mark.parametrize("height", [0.002, 0.005])
+def test_a_low_step_stops_a_cube_on_a_plane(height, shape, rate):
+    world = vx.World(time_step=1 / rate)
+    world.add(vx.Plane(), mass=0, friction=0)
+    step = vx.Model.from_mesh(box((0.4, 0.5, 0.04 + height)), cache=False)
+    world.add(step, mass=0, friction=0, pose=(0.3, 0, height / 2 - 0.02))
+    cube = vx.Box((0.05, 0.05, 0.05)) if shape == "box" else model("cube")
+    body = world.add(cube, mass=1, friction=0, pose=(0, 0, 0.05))
+    body.linear_velocity = (0.4, 0, 0)
+    world.step(round(0.5 * rate))
+    assert body.position[0] < 0.051
+    assert body.position[2] == pytest.approx(0.05, abs=1e-4)
+    assert body.linear_velocity[0] <= 0.01
 
 
 @pytest.mark.parametrize("rate", [1000, 200, 60])
