@@ -5,6 +5,7 @@
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
 #include "compound_algorithm.h"
@@ -39,17 +40,18 @@ int count_points(btBroadphasePair& pair) {
 /// Searches for contacts of pairs that had none.
 class SearchAgain : public btOverlapCallback {
  public:
-  SearchAgain(const std::vector<btRigidBody*>& faster, btCollisionDispatcher& dispatcher,
+  using Faster = CheckedMotion::Faster;
+
+  SearchAgain(const std::vector<Faster>& faster, btCollisionDispatcher& dispatcher,
               const btDispatcherInfo& info)
       : faster_(faster), dispatcher_(dispatcher), info_(info) {}
 
   bool processOverlap(btBroadphasePair& pair) override {
     const auto* const a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
     const auto* const b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    const auto is_faster = [&](const btCollisionObject* object) {
-      return std::ranges::binary_search(faster_, btRigidBody::upcast(object));
-    };
-    if (!is_faster(a) && !is_faster(b)) return false;
+    const btScalar displacement = std::max(displacement_of(a), displacement_of(b));
+    const bool rebounds = btManifoldResult::calculateCombinedRestitution(a, b) > 0;
+    if (!(displacement > (rebounds ? static_cast<btScalar>(kCheckedReboundOfSize) : 0))) return false;
     if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
     if (count_points(pair) > 0) return false;
     dispatcher_.getNearCallback()(pair, dispatcher_, info_);
@@ -60,7 +62,14 @@ class SearchAgain : public btOverlapCallback {
   bool has_found() const { return has_found_; }
 
  private:
-  const std::vector<btRigidBody*>& faster_;
+  /// Of its size; 0 where it is not faster than expected.
+  btScalar displacement_of(const btCollisionObject* object) const {
+    const auto found =
+        std::ranges::lower_bound(faster_, btRigidBody::upcast(object), {}, &Faster::body);
+    return found != faster_.end() && found->body == object ? found->displacement : btScalar(0);
+  }
+
+  const std::vector<Faster>& faster_;
   btCollisionDispatcher& dispatcher_;
   const btDispatcherInfo& info_;
   bool has_found_ = false;
@@ -94,9 +103,9 @@ void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies) {
   }
 }
 
-/// Whether a place of the body moves farther than the search for contacts expected, by half of what
-/// it expected and a fraction of the body's size.
-bool CheckedMotion::is_faster(const Checked& checked, btScalar time_step) {
+/// How far a place of the body moves, if that is farther than the search for contacts expected, by
+/// half of what it expected and a fraction of the body's size; else 0.
+btScalar CheckedMotion::displacement_if_faster(const Checked& checked, btScalar time_step) {
   const btRigidBody& body = *checked.body;
   const btScalar size = body.getCollisionShape()->getAngularMotionDisc();
   const auto displacement = [&](const btVector3& linear, const btVector3& angular) {
@@ -105,14 +114,15 @@ bool CheckedMotion::is_faster(const Checked& checked, btScalar time_step) {
   const State& before = checked.before;
   const State& solved = checked.solved;
   const btScalar least = static_cast<btScalar>(kCheckedOfSize) * size;
-  if (displacement(solved.linear_velocity, solved.angular_velocity) <= least) return false;
+  const btScalar farthest = displacement(solved.linear_velocity, solved.angular_velocity);
+  if (farthest <= least) return 0;
   const btVector3 of_forces = (body.getInvMass() * time_step) * checked.force;
   const btVector3 change = solved.linear_velocity - before.linear_velocity;
   const btVector3 turning = solved.angular_velocity - before.angular_velocity;
   const btScalar unexpected =
       std::min(displacement(change, turning), displacement(change - of_forces, turning));
   const btScalar expected = displacement(before.linear_velocity, before.angular_velocity);
-  return unexpected > btScalar(0.5) * expected + least;
+  return unexpected > btScalar(0.5) * expected + least ? farthest : btScalar(0);
 }
 
 bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
@@ -120,10 +130,13 @@ bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatche
   faster_.clear();
   for (Checked& checked : all_) {
     checked.solved = State::of(*checked.body);
-    if (is_faster(checked, info.m_timeStep)) faster_.push_back(checked.body);
+    const btScalar farthest = displacement_if_faster(checked, info.m_timeStep);
+    if (!(farthest > 0)) continue;
+    faster_.push_back(
+        {checked.body, farthest / checked.body->getCollisionShape()->getAngularMotionDisc()});
   }
   if (faster_.empty()) return false;
-  std::ranges::sort(faster_);
+  std::ranges::sort(faster_, {}, &Faster::body);
   for (const Checked& checked : all_) {
     // Their velocity has what forces add.
     State{checked.before.world_from_body, checked.solved.linear_velocity,
@@ -131,8 +144,8 @@ bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatche
         .put_on(*checked.body);
     checked.body->clearForces();
   }
-  for (btRigidBody* const body : faster_) {
-    extend_bounds(*body, info.m_timeStep, broadphase, dispatcher);
+  for (const Faster& faster : faster_) {
+    extend_bounds(*faster.body, info.m_timeStep, broadphase, dispatcher);
   }
   broadphase.calculateOverlappingPairs(&dispatcher);
   SearchAgain search(faster_, static_cast<btCollisionDispatcher&>(dispatcher), info);

@@ -470,6 +470,10 @@ inline constexpr double kTurnedCosine = 0.70710678118654752;
 /// Bodies are checked that the solver moves farther than expected by more than this fraction of
 /// their size. Smaller: bodies in heaps are. Larger: what it makes fast enters walls by that much.
 inline constexpr double kCheckedOfSize = 0.01;
+/// Where bodies rebound, that fraction: a contact that is found late stops them, and the next step
+/// lets those that have come less far rebound. Smaller: balls that hit each other lose energy.
+/// Larger: at low rates they end in each other, and gain some.
+inline constexpr double kCheckedReboundOfSize = 0.25;
 
 // ---- segments -----------------------------------------------------------------------------------
 

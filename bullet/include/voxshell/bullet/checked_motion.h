@@ -26,6 +26,12 @@ class CheckedMotion {
   bool find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info);
 
+  /// A body that the solver has made fast.
+  struct Faster {
+    btRigidBody* body;
+    btScalar displacement;  ///< of its fastest place within the step, in sizes of the body
+  };
+
  private:
   struct State {
     btTransform world_from_body;
@@ -43,10 +49,10 @@ class CheckedMotion {
     btVector3 torque;
   };
 
-  static bool is_faster(const Checked& checked, btScalar time_step);
+  static btScalar displacement_if_faster(const Checked& checked, btScalar time_step);
 
   std::vector<Checked> all_;
-  std::vector<btRigidBody*> faster_;  ///< sorted by address
+  std::vector<Faster> faster_;  ///< by address
 };
 
 /// A Bullet dynamics world that checks the solver's motion, and solves again where it leads into
