@@ -51,7 +51,8 @@ class SearchAgain : public btOverlapCallback {
     const auto* const b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
     const btScalar displacement = std::max(displacement_of(a), displacement_of(b));
     const bool rebounds = btManifoldResult::calculateCombinedRestitution(a, b) > 0;
-    if (!(displacement > (rebounds ? static_cast<btScalar>(kCheckedReboundOfSize) : 0))) return false;
+    if (!(displacement > (rebounds ? static_cast<btScalar>(kCheckedReboundOfSize) : 0)))
+      return false;
     if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
     if (count_points(pair) > 0) return false;
     dispatcher_.getNearCallback()(pair, dispatcher_, info_);

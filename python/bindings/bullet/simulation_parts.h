@@ -28,9 +28,9 @@ struct Simulation::Body {
 
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
-    : public bullet::SleepyWorld<
-          bullet::CheckedMotionWorld<bullet::MomentumWorld<bullet::ForceAwareWorld<
-              bullet::SeamlessWorld<bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>>> {
+    : public bullet::SleepyWorld<bullet::CheckedMotionWorld<
+          bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<
+              bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

@@ -86,7 +86,8 @@ btVector3 velocity_after_force(const btVector3& factor) {
 }
 
 TEST(CheckedMotion, KeepsForcesAndTheirFactors) {
-  for (const btVector3& factor : {btVector3(1, 1, 1), btVector3(0, 1, 0), btVector3(0, scalar(0.5), scalar(0.5))}) {
+  for (const btVector3& factor :
+       {btVector3(1, 1, 1), btVector3(0, 1, 0), btVector3(0, scalar(0.5), scalar(0.5))}) {
     EXPECT_EQ(velocity_after_force<CheckedMotionWorld<>>(factor),
               velocity_after_force<btDiscreteDynamicsWorld>(factor));
   }
