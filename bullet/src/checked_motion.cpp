@@ -123,7 +123,8 @@ btScalar CheckedMotion::displacement_if_faster(const Checked& checked, btScalar 
   const btScalar unexpected =
       std::min(displacement(change, turning), displacement(change - of_forces, turning));
   const btScalar expected = displacement(before.linear_velocity, before.angular_velocity);
-  return unexpected > btScalar(0.5) * expected + least ? farthest : btScalar(0);
+  return unexpected > static_cast<btScalar>(kCheckedOfExpected) * expected + least ? farthest
+                                                                                   : btScalar(0);
 }
 
 bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,

@@ -448,6 +448,9 @@ inline constexpr double kRoomOfReach = 0.97;
 /// One of them has a face there with the plane's normal, to this cosine: 8 degrees. Smaller: planes
 /// through edges part flush bodies, and turn contacts of their faces.
 inline constexpr double kPartingFace = 0.99;
+/// Behind a rim, its face is looked for that many reaches away. Smaller: over the rim itself.
+/// Larger: narrow faces are missed.
+inline constexpr double kBehindRimOfReach = 2.0;
 /// A contact whose normal has at least this cosine with a plane's keeps it: one degree. Smaller:
 /// edges that cross turn what glides over them. Larger: what tilts a little creeps: from a fifth of
 /// a degree on, a mug in a gripper at 30 Hz.
@@ -470,6 +473,8 @@ inline constexpr double kTurnedCosine = 0.70710678118654752;
 /// Bodies are checked that the solver moves farther than expected by more than this fraction of
 /// their size. Smaller: bodies in heaps are. Larger: what it makes fast enters walls by that much.
 inline constexpr double kCheckedOfSize = 0.01;
+/// And farther by this fraction of what was expected, as guards look about as far again.
+inline constexpr double kCheckedOfExpected = 0.5;
 /// Where bodies rebound, that fraction: a contact that is found late stops them, and the next step
 /// lets those that have come less far rebound. Smaller: balls that hit each other lose energy.
 /// Larger: at low rates they end in each other, and gain some.

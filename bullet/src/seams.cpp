@@ -378,7 +378,7 @@ Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, dou
     // Along a rim, a face is on neither side, but behind the rim.
     const Vec3 out = field.outwards(there);
     const Vec3 behind = -normalized(out - dot(out, normal) * normal);
-    const Vec3 over = place + reach * (normal + 2.0 * behind);
+    const Vec3 over = place + reach * (normal + kBehindRimOfReach * behind);
     const bool is_over_face = field.is_flat(over, over + kFaceOfReach * reach * behind) &&
                               dot(field.outwards(over), normal) >= kPartingFace;
     if (behind != Vec3{} && is_over_face) beside.is_flat = beside.is_face = true;
