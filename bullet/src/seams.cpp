@@ -4,104 +4,28 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
-#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
 #include "motion.h"
+#include "neighbor.h"
+#include "parting_planes.h"
 #include "posed_pair.h"
 #include "round_side.h"
+#include "seam_touch.h"
 #include "seamless_bodies.h"
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
 namespace {
-
-/// The field of one shape, in the world.
-class PlacedField {
- public:
-  explicit PlacedField(const Side& side)
-      : model_(side.model()),
-        world_from_field_(side.world_from_geometry()),
-        field_from_world_(side.world_from_geometry().inverse()),
-        thickness_(side.thickness()) {
-    if (model_ != nullptr) {
-      field_ = side.participant().field;
-    } else {
-      field_ = *side.participant().field;
-    }
-  }
-
-  /// Negative inside, metres.
-  double distance(const Vec3& place) const {
-    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
-    return std::visit([&](const auto& f) { return static_cast<double>(f.distance(local)); },
-                      field()) -
-           thickness_;
-  }
-
-  /// Whether the surface that is nearest to a place is flat there. `farther` is a place that the
-  /// same surface would be nearest to, if it is.
-  bool is_flat(const Vec3& place, const Vec3& farther) const {
-    if (model_ == nullptr) return dot(outwards(place), outwards(farther)) >= kFlatFace;
-    const SmoothSurface& surface = model_->smooth_surface();
-    if (!surface.is_curved()) return true;
-    return surface.is_flat(surface.nearest(field_from_world_.transform_point(place)).triangle);
-  }
-
-  Vec3 outwards(const Vec3& place) const {
-    const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
-    const Vec3f gradient = std::visit([&](const auto& f) { return f.gradient(local); }, field());
-    return world_from_field_.rotate(normalized(static_cast<Vec3>(gradient)));
-  }
-
- private:
-  const Field& field() const {
-    if (const auto* of_model = std::get_if<const Field*>(&field_)) return **of_model;
-    return std::get<Field>(field_);
-  }
-
-  const Model* model_;
-  std::variant<const Field*, Field> field_;  ///< models keep theirs
-  Pose world_from_field_;
-  Pose field_from_world_;
-  double thickness_;  ///< of Bullet's margin about it, metres
-};
-
-/// Appends the fields of a shape's parts; those that have none are left out.
-void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
-                  const btTransform& world_from_shape, std::vector<PlacedField>& fields) {
-  if (shape.isCompound()) {
-    const auto& compound = static_cast<const btCompoundShape&>(shape);
-    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
-      place_fields(body, *compound.getChildShape(i),
-                   world_from_shape * compound.getChildTransform(i), fields);
-    }
-    return;
-  }
-  const CollisionMethod method = collision_method_of(shape);
-  if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return;
-  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, world_from_shape, -1, -1);
-  fields.emplace_back(Side(wrap, nullptr));
-}
-
-double radius_of(const btCollisionObject& body) {
-  btVector3 centre;
-  btScalar radius = 0;
-  body.getCollisionShape()->getBoundingSphere(centre, radius);
-  return static_cast<double>(radius);
-}
 
 /// The place of a body's round surface that faces a direction, from a place of it on; none where it
 /// is flat there, and of compounds.
@@ -120,74 +44,6 @@ std::optional<Vec3> facing_place(const btCollisionObject& body, const Vec3& plac
   return world_from_own.transform_point(*facing);
 }
 
-/// A body that another one touches.
-class Neighbor {
- public:
-  Neighbor(const btCollisionObject& body, double time_step)
-      : body_(&body), motion_(Motion::of(body, time_step)), radius_(radius_of(body)) {}
-
-  const btCollisionObject& body() const { return *body_; }
-  const Motion& motion() const { return motion_; }
-  double radius() const { return radius_; }
-  bool is_model() const {
-    return collision_method_of(*body_->getCollisionShape()) == CollisionMethod::kModel;
-  }
-
-  /// Whether a place may be that near, by the bounds that Bullet looks for pairs with.
-  bool may_be_near(const Vec3& place, double reach) const {
-    const btBroadphaseProxy* const bounds = body_->getBroadphaseHandle();
-    if (bounds == nullptr) return false;
-    const auto is_between = [&](btScalar low, double x, btScalar high) {
-      return static_cast<double>(low) - reach <= x && x <= static_cast<double>(high) + reach;
-    };
-    const btVector3& low = bounds->m_aabbMin;
-    const btVector3& high = bounds->m_aabbMax;
-    return is_between(low.x(), place.x, high.x()) && is_between(low.y(), place.y, high.y()) &&
-           is_between(low.z(), place.z, high.z());
-  }
-
-  /// Hulls and Bullet's triangles have none at hand.
-  bool has_field() { return !fields().empty(); }
-
-  /// Of the part that is nearest to a place; null where the body has no field.
-  const PlacedField* nearest(const Vec3& place) {
-    const auto found = std::ranges::min_element(
-        fields(), {}, [&](const PlacedField& field) { return field.distance(place); });
-    return found == fields_.end() ? nullptr : &*found;
-  }
-
-  /// Infinite where the body has no field.
-  double distance(const Vec3& place) {
-    const PlacedField* const field = nearest(place);
-    return field != nullptr ? field->distance(place) : std::numeric_limits<double>::infinity();
-  }
-
- private:
-  const std::vector<PlacedField>& fields() {
-    if (!is_placed_) {
-      place_fields(*body_, *body_->getCollisionShape(), body_->getWorldTransform(), fields_);
-      is_placed_ = true;
-    }
-    return fields_;
-  }
-
-  const btCollisionObject* body_;
-  Motion motion_;
-  double radius_;
-  bool is_placed_ = false;
-  std::vector<PlacedField> fields_;
-};
-
-/// A contact as one of its bodies sees it. Metres, world frame.
-struct Touch {
-  Vec3 on_body;
-  Vec3 normal;  ///< of the other body, towards this one
-  double gap;   ///< negative where they overlap
-  bool is_feature;
-
-  Vec3 on_other() const { return on_body - gap * normal; }
-};
-
 Touch touch_of(const btManifoldPoint& point, bool is_first) {
   const Vec3 normal = from_bullet(point.m_normalWorldOnB);
   const auto gap = static_cast<double>(point.getDistance());
@@ -195,21 +51,6 @@ Touch touch_of(const btManifoldPoint& point, bool is_first) {
   if (is_first) return {from_bullet(point.getPositionWorldOnA()), normal, gap, is_feature};
   return {from_bullet(point.getPositionWorldOnB()), -normal, gap, is_feature};
 }
-
-/// What a contact at a seam becomes.
-struct Seam {
-  Vec3 normal;   ///< of the plane that the flush surfaces have in common
-  double gap;    ///< along it, metres
-  bool carries;  ///< else the contact is removed
-};
-
-/// Where the body of a touch meets the other one. Forces, and motion along them, would take a body
-/// that slides into its ground, so they are kept apart.
-struct Arrival {
-  bool is_in_time;  ///< within the step; else it is a guard (decision 51)
-  Vec3 place;
-  Vec3 fall;  ///< how much farther it is where nothing carries the body
-};
 
 /// When the body of a speculative contact touches, seconds. It was found to touch with up to `step`
 /// metres left, which with a slow approach are a long way.
@@ -257,11 +98,6 @@ Vec3 carried_place(const Arrival& arrival, const Vec3& normal, double reach, Nei
     left -= drop;
   }
   return place;
-}
-
-/// The direction, along a surface of that normal, in which another normal leans.
-Vec3 leaning_over(const Vec3& normal, const Vec3& upwards) {
-  return normalized(normal - dot(normal, upwards) * upwards);
 }
 
 bool leans(const Vec3& normal, const Vec3& upwards) {
@@ -330,99 +166,6 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   // Bodies that the neighbor keeps apart arrive behind it.
   if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;
   return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
-}
-
-/// The plane of contacts that touch.
-struct Plane {
-  Vec3 normal;  ///< towards the body
-  Vec3 place;
-  int count;  ///< of the contacts
-
-  double height(const Vec3& at) const { return dot(at - place, normal); }
-  bool is_of(const Touch& touch, double step) const {
-    return dot(normal, touch.normal) >= kSeamAligned &&
-           std::abs(height(touch.on_other())) <= kSeamBeside * step;
-  }
-};
-
-/// Counts a touch among the planes.
-void add_plane(const Touch& touch, double step, std::vector<Plane>& planes) {
-  if (touch.gap > step) return;
-  const auto known =
-      std::ranges::find_if(planes, [&](const Plane& each) { return each.is_of(touch, step); });
-  if (known != planes.end()) {
-    ++known->count;
-  } else {
-    planes.push_back({touch.normal, touch.on_other(), 1});
-  }
-}
-
-/// A body beside a place of a plane, on both sides along the plane.
-struct Beside {
-  bool is_flat;  ///< the body is not round there
-  bool is_face;  ///< the plane is that of a flat face of the body
-  double room;   ///< how near it comes to places in front of the plane, metres
-};
-Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, double reach,
-                   Neighbor& body) {
-  Beside beside{false, false, std::numeric_limits<double>::infinity()};
-  for (const Vec3& way : {aside, -aside}) {
-    const Vec3 there = place + reach * (normal + way);
-    const PlacedField& field = *body.nearest(there);
-    beside.room = std::min(beside.room, field.distance(there));
-    if (field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) {
-      beside.is_flat = true;
-      beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
-      continue;
-    }
-    // Along a rim, a face is on neither side, but behind the rim.
-    const Vec3 out = field.outwards(there);
-    const Vec3 behind = -normalized(out - dot(out, normal) * normal);
-    const Vec3 over = place + reach * (normal + kBehindRimOfReach * behind);
-    const bool is_over_face = field.is_flat(over, over + kFaceOfReach * reach * behind) &&
-                              dot(field.outwards(over), normal) >= kPartingFace;
-    if (behind != Vec3{} && is_over_face) beside.is_flat = beside.is_face = true;
-  }
-  return beside;
-}
-
-/// Where a plane that carries the body parts it from another one, a contact of these two has that
-/// plane's normal alone: edges of two flush faces that cross touch with any normal, as each of them
-/// sees it.
-std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
-                                 std::span<const Plane> planes, double radius, Neighbor& body,
-                                 Neighbor& other) {
-  const double reach = kSeamReach * radius;
-  const double step = kSeamStep * radius;
-  if (!arrival.is_in_time && touch.gap > step) return std::nullopt;
-  const auto count_of_own = [&] {
-    const auto own =
-        std::ranges::find_if(planes, [&](const Plane& plane) { return plane.is_of(touch, step); });
-    return own != planes.end() ? own->count : 0;
-  };
-  for (const Plane& plane : planes) {
-    // What the plane carries does not fall to it.
-    const double fall = std::max(-dot(arrival.fall, plane.normal), 0.0);
-    const double height = plane.height(arrival.place);
-    if (height < -reach || height > reach + fall) continue;
-    const double along = dot(touch.normal, plane.normal);
-    if (along >= kOwnOfPlane) return std::nullopt;
-    if (along < -kSeamOpposed) continue;
-    const Vec3 down = -std::clamp(height, 0.0, fall) * plane.normal;
-    // Of two planes that part the bodies, it is the one of more contacts, unless they are farther
-    // apart along the other one.
-    const double apart = plane.height(touch.on_body) - std::min(touch.gap, 0.0);
-    if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
-    if (!body.has_field() || !other.has_field()) return std::nullopt;
-    const Vec3 aside = leaning_over(touch.normal, plane.normal);
-    const Beside on_other = look_beside(arrival.place + down, plane.normal, aside, reach, other);
-    if (!on_other.is_flat || on_other.room < kRoomOfReach * reach) continue;
-    const Beside on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach, body);
-    if (!on_body.is_flat || on_body.room < kPartedOfReach * reach) continue;
-    if (!on_other.is_face && !on_body.is_face) continue;
-    return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
-  }
-  return std::nullopt;
 }
 
 /// What is to become of a contact.
