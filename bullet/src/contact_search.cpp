@@ -15,6 +15,7 @@
 #include "contact_list.h"
 #include "contact_rule.h"
 #include "facing_normals.h"
+#include "of_this_thread.h"
 #include "voxshell/manifold.h"
 #include "way_out.h"
 
@@ -80,8 +81,7 @@ QueryLists& lists_of_this_thread() {
     Borrowed& operator=(const Borrowed&) = delete;
     ~Borrowed() { FreeLists::all().give_back(std::move(lists)); }
   };
-  thread_local Borrowed borrowed;
-  return *borrowed.lists;
+  return *of_this_thread<Borrowed>().lists;
 }
 
 }  // namespace

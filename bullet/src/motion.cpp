@@ -10,6 +10,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include "contact_constants.h"
+#include "of_this_thread.h"
 #include "voxshell/bullet/convert.h"
 
 namespace voxshell::bullet {
@@ -30,11 +31,15 @@ Vec3 velocity_of_force(const btMultiBody& body, int link, double time_step) {
   return (time_step / mass) * from_bullet(is_base ? body.getBaseForce() : body.getLinkForce(link));
 }
 
+/// Kept from step to step, as settled ones take no memory.
+struct LinkVelocities {
+  std::vector<btVector3> angular;
+  std::vector<btVector3> linear;
+};
+
 Motion of_link(const btMultiBodyLinkCollider& collider, double time_step) {
   const btMultiBody& body = *collider.m_multiBody;
-  // Kept from step to step, as settled ones take no memory.
-  thread_local std::vector<btVector3> angular;
-  thread_local std::vector<btVector3> linear;
+  auto& [angular, linear] = of_this_thread<LinkVelocities>();
   const auto count = static_cast<std::size_t>(body.getNumLinks()) + 1;
   angular.resize(count);
   linear.resize(count);

@@ -9,6 +9,7 @@
 
 #include "contact_constants.h"
 #include "flatness.h"
+#include "of_this_thread.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -236,13 +237,17 @@ class Patches {
   std::vector<std::uint8_t> patch_of_;  ///< of each contact
 };
 
+/// Kept from step to step, as settled ones take no memory.
+struct Lists {
+  Patches patches;
+  PatchHull hull;
+  std::vector<std::uint8_t> is_outer;
+};
+
 }  // namespace
 
 bool leave_outer(double least, float band, std::vector<Contact>& contacts) {
-  // Kept from step to step, as settled ones take no memory.
-  thread_local Patches patches;
-  thread_local PatchHull hull;
-  thread_local std::vector<std::uint8_t> is_outer;
+  auto& [patches, hull, is_outer] = of_this_thread<Lists>();
   if (!patches.find(contacts)) return false;
   is_outer.assign(contacts.size(), 0);
   for (std::size_t patch = 0; patch < patches.count(); ++patch) {

@@ -10,6 +10,7 @@
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
 #include "model_algorithm.h"
+#include "of_this_thread.h"
 #include "posed_pair.h"
 #include "support.h"
 #include "voxshell/parallel.h"
@@ -101,13 +102,10 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
   const auto start = Clock::now();
   const auto time_step = static_cast<double>(info.m_timeStep);
   // All thread_local variables of a library exist as soon as the thread touches one of them.
-  const auto make_thread_locals = [] {
-    [[maybe_unused]] thread_local volatile bool exists = false;
-    exists = true;
-  };
+  const auto begin_thread = [] { static_cast<void>(ThreadObjects::of_this_thread()); };
   parallel_for(
       jobs_.size(), threads, "contacts", {}, [&](std::size_t i) { jobs_[i].prepare(time_step); },
-      make_thread_locals);
+      begin_thread);
   parallel_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
 }
 
