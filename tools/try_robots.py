@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import concurrent.futures
+import csv
 import json
 import os
 import re
@@ -255,13 +256,14 @@ def find_robots(folder: Path, kind: str = "urdf") -> Iterator[tuple[str, Path]]:
     """The files of a format below a folder, each with the name of its package."""
     suffix = FORMATS[kind]
     owners = {
-        # pip counts shared files from another folder than the one that it puts them into.
+        # pip counts shared files from another folder than the one that it puts them into, where some
+        # versions of `package.files` miss them.
         Path(
-            *(part for part in file.parts if part != "..")
+            *(part for part in Path(name).parts if part != "..")
         ): f"{package.metadata['Name']} {package.version}"
         for package in distributions(path=[str(folder)])
-        for file in package.files or ()
-        if file.suffix == suffix
+        for name, *_ in csv.reader((package.read_text("RECORD") or "").splitlines())
+        if name.endswith(suffix)
     }
     for path in sorted(folder.rglob(f"*{suffix}")):
         if path.is_file() and (kind == "urdf" or MJCF_ROOT.match(path.read_bytes()[:100_000])):
