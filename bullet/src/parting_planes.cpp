@@ -1,7 +1,7 @@
 #include "parting_planes.h"
 
 #include <algorithm>
-#include <limits>
+#include <array>
 
 namespace voxshell::bullet {
 
@@ -11,15 +11,19 @@ namespace {
 struct Beside {
   bool is_flat;  ///< the body is not round there
   bool is_face;  ///< the plane is that of a flat face of the body
-  double room;   ///< how near it comes to places in front of the plane, metres
 };
-Beside look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside, double reach,
-                   Neighbor& body) {
-  Beside beside{false, false, std::numeric_limits<double>::infinity()};
-  for (const Vec3& way : {aside, -aside}) {
-    const Vec3 there = place + reach * (normal + way);
+/// None where the body comes nearer than `least` to places in front of the plane.
+std::optional<Beside> look_beside(const Vec3& place, const Vec3& normal, const Vec3& aside,
+                                  double reach, double least, Neighbor& body) {
+  const std::array<Vec3, 2> ways{aside, -aside};
+  const auto beyond = [&](const Vec3& way) { return place + reach * (normal + way); };
+  for (const Vec3& way : ways) {
+    if (body.distance(beyond(way)) < least) return std::nullopt;
+  }
+  Beside beside{false, false};
+  for (const Vec3& way : ways) {
+    const Vec3 there = beyond(way);
     const PlacedField& field = *body.nearest(there);
-    beside.room = std::min(beside.room, field.distance(there));
     if (field.is_flat(there, place + kFaceOfReach * reach * (normal + way))) {
       beside.is_flat = true;
       beside.is_face = beside.is_face || dot(field.outwards(there), normal) >= kPartingFace;
@@ -75,11 +79,12 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
     if (!body.has_field() || !other.has_field()) return std::nullopt;
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
-    const Beside on_other = look_beside(arrival.place + down, plane.normal, aside, reach, other);
-    if (!on_other.is_flat || on_other.room < kRoomOfReach * reach) continue;
-    const Beside on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach, body);
-    if (!on_body.is_flat || on_body.room < kPartedOfReach * reach) continue;
-    if (!on_other.is_face && !on_body.is_face) continue;
+    const auto on_other = look_beside(arrival.place + down, plane.normal, aside, reach,
+                                      kRoomOfReach * reach, other);
+    if (!on_other || !on_other->is_flat) continue;
+    const auto on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach,
+                                     kPartedOfReach * reach, body);
+    if (!on_body || !on_body->is_flat || (!on_other->is_face && !on_body->is_face)) continue;
     return Seam{plane.normal, plane.height(touch.on_body), along >= kTurnedCosine};
   }
   return std::nullopt;

@@ -108,8 +108,8 @@ bool RoundContacts::leads(const SmoothSurface::Place& start,
                           const PlacesAtRest<Touch>::AtRest& known, const TouchScale& scale,
                           const Turning& turning) const {
   const double gap = std::max(-static_cast<double>(known.depth), 0.0);
-  return turning.lead_over(surface_->position(start), surface_->normal(start), known.position, gap,
-                           -known.of.facing.outwards) >
+  const auto [position, normal] = surface_->tangent_plane(start);
+  return turning.lead_over(position, normal, known.position, gap, -known.of.facing.outwards) >
          std::max(scale.margin, kLeadOfRadius * scale.radius);
 }
 

@@ -238,7 +238,7 @@ void RoundFieldContacts::drop_covered(std::vector<Contact>& contacts, bool are_o
     const std::uint32_t triangle = surface.triangle_of(contact.id);
     if (surface.is_flat(triangle)) return false;
     const SmoothSurface::Place on = surface.nearest_on(triangle, point);
-    const RoundSide::Place on_round{surface.position(on), surface.normal(on), on};
+    const RoundSide::Place on_round = RoundSide::Place::of(surface, on);
     const auto normal = static_cast<Vec3>(contact.normal);
     const Vec3 touched = point + static_cast<double>(contact.depth) * normal;
     const Vec3 position = shell_from_field_.transform_point(touched);

@@ -52,7 +52,7 @@ std::optional<Place> RoundSide::nearest(const Vec3& point, const Place* guess) c
     const SmoothSurface::Place on =
         surface.nearest(point, guess != nullptr ? guess->on.triangle : 0);
     if (surface.is_flat(on.triangle)) return std::nullopt;
-    return Place{surface.position(on), surface.normal(on), on};
+    return Place::of(surface, on);
   }
   return std::visit(
       [&](const auto& field) -> std::optional<Place> {
@@ -71,7 +71,7 @@ std::optional<Place> RoundSide::nearest_from(const Place& start, const Vec3& poi
   const SmoothSurface& surface = model_->smooth_surface();
   const auto on = surface.nearest_from(start.on, point);
   if (!on || surface.is_flat(on->triangle)) return std::nullopt;
-  return Place{surface.position(*on), surface.normal(*on), *on};
+  return Place::of(surface, *on);
 }
 
 std::optional<Place> RoundSide::slide(const Place& start, const Vec3& direction,
@@ -80,7 +80,7 @@ std::optional<Place> RoundSide::slide(const Place& start, const Vec3& direction,
     const SmoothSurface& surface = model_->smooth_surface();
     const SmoothSurface::Slide slide = surface.slide(start.on, direction, least_curvature);
     if (!slide.is_at_rest || surface.is_flat(slide.place.triangle)) return std::nullopt;
-    return Place{surface.position(slide.place), surface.normal(slide.place), slide.place};
+    return Place::of(surface, slide.place);
   }
   return std::visit(
       [&](const auto& field) -> std::optional<Place> {

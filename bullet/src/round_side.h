@@ -15,6 +15,11 @@ class RoundSide {
     Vec3 position;
     Vec3 normal;              ///< unit length
     SmoothSurface::Place on;  ///< of models
+
+    static Place of(const SmoothSurface& surface, const SmoothSurface::Place& on) {
+      const auto [position, normal] = surface.tangent_plane(on);
+      return {position, normal, on};
+    }
   };
 
   /// None where no part of it is round. The side outlives this.

@@ -24,7 +24,7 @@ void SmoothField::start_from(std::uint32_t triangle) {
   constexpr double kThird = 1.0 / 3.0;
   const SmoothSurface::Place middle{triangle, {kThird, kThird, kThird}};
   const SmoothSurface& surface = round_->model()->smooth_surface();
-  before_ = RoundSide::Place{surface.position(middle), surface.normal(middle), middle};
+  before_ = RoundSide::Place::of(surface, middle);
 }
 
 /// What the field says beyond the end of a round part, whose edge is nearest, is true.

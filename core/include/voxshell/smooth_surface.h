@@ -60,6 +60,12 @@ class SmoothSurface {
   Vec3 position(const Place& place) const;
   Vec3 normal(const Place& place) const;  ///< unit length
 
+  struct TangentPlane {
+    Vec3 position;
+    Vec3 normal;  ///< unit length
+  };
+  TangentPlane tangent_plane(const Place& place) const;
+
   /// The place of a triangle that is nearest to a point.
   Place nearest_on(std::uint32_t triangle, const Vec3& point) const;
   /// The nearest place of the surface to a point; exact if the point is near. A near triangle as a
@@ -97,7 +103,6 @@ class SmoothSurface {
   Beside find_beside(const Vec3& place, double distance, const BoxFinder& finder) const;
   Chart chart_of(std::uint32_t triangle) const;
   std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
-  Vec3 flat_position(const Place& place) const;
   Place across(const Place& place, std::size_t side) const;
   template <class F>
   std::optional<Place> project(const Vec3& point, Place place, const F& find) const;

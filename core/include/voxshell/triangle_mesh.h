@@ -43,7 +43,10 @@ class TriangleMesh {
   const Bounds& bounds() const { return bounds_; }
 
   /// The corners of one triangle.
-  std::array<Vec3, 3> corners(std::size_t triangle) const;
+  std::array<Vec3, 3> corners(std::size_t triangle) const {
+    const Triangle& t = triangles_[triangle];
+    return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
+  }
 
   double compute_area() const;
 

@@ -181,11 +181,6 @@ Result<TriangleMesh> TriangleMesh::from_parts(std::vector<Vec3> vertices,
   return mesh;
 }
 
-std::array<Vec3, 3> TriangleMesh::corners(std::size_t triangle) const {
-  const Triangle& t = triangles_[triangle];
-  return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
-}
-
 double TriangleMesh::compute_area() const {
   double doubled = 0.0;
   for (std::size_t i = 0; i < triangles_.size(); ++i) {

@@ -115,6 +115,21 @@ std::optional<Planar> newton_step(const Shape& shape, double least) {
   return step;
 }
 
+Vec3 weighted_sum(const std::array<double, 3>& weights, const std::array<Vec3, 3>& of) {
+  return weights[0] * of[0] + weights[1] * of[1] + weights[2] * of[2];
+}
+
+/// Of a patch by the corners of its triangle and their normals.
+Vec3 position_on(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& normals,
+                 const std::array<double, 3>& weights) {
+  const Vec3 flat = weighted_sum(weights, corners);
+  Vec3 lift;
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    lift += weights[i] * dot(corners[i] - flat, normals[i]) * normals[i];
+  }
+  return flat + kShapeFactor * lift;
+}
+
 Vec3 face_normal(const std::array<Vec3, 3>& corners) {
   return normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
 }
@@ -181,11 +196,10 @@ struct SmoothSurface::Height {
 
 /// How near a place of the triangles is to a point.
 struct SmoothSurface::Nearness {
-  const SmoothSurface& surface;
   Vec3 point;
 
   Shape operator()(const Chart& chart, const Place& place) const {
-    const Vec3 way = point - surface.flat_position(place);
+    const Vec3 way = point - weighted_sum(place.weights, chart.corners);
     return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
   }
   std::optional<Planar> step(const Shape& shape) const { return shape.slope; }
@@ -314,7 +328,8 @@ void SmoothSurface::measure_lifts(std::span<const Vec3> face_normals) {
     if (std::ranges::none_of(corner_normals_[triangle], bends)) continue;
     for (const std::array<double, 3>& weights : kMiddles) {
       const Place place{triangle, weights};
-      const auto lift = static_cast<float>(length(position(place) - flat_position(place)));
+      const Vec3 flat = weighted_sum(weights, mesh_->corners(triangle));
+      const auto lift = static_cast<float>(length(position(place) - flat));
       lifts_[triangle] = std::max(lifts_[triangle], lift);
     }
     most_lift_ = std::max(most_lift_, lifts_[triangle]);
@@ -403,27 +418,18 @@ std::array<Vec3, 3> SmoothSurface::normals_of(std::uint32_t triangle) const {
           static_cast<Vec3>(normals_[of[2]])};
 }
 
-Vec3 SmoothSurface::flat_position(const Place& place) const {
-  const std::array<Vec3, 3> corners = mesh_->corners(place.triangle);
-  return place.weights[0] * corners[0] + place.weights[1] * corners[1] +
-         place.weights[2] * corners[2];
-}
-
 Vec3 SmoothSurface::position(const Place& place) const {
-  const Vec3 flat = flat_position(place);
-  const std::array<Vec3, 3> corners = mesh_->corners(place.triangle);
-  const std::array<Vec3, 3> normals = normals_of(place.triangle);
-  Vec3 lift;
-  for (std::size_t i = 0; i < kCorners; ++i) {
-    lift += place.weights[i] * dot(corners[i] - flat, normals[i]) * normals[i];
-  }
-  return flat + kShapeFactor * lift;
+  return position_on(mesh_->corners(place.triangle), normals_of(place.triangle), place.weights);
 }
 
 Vec3 SmoothSurface::normal(const Place& place) const {
+  return normalized(weighted_sum(place.weights, normals_of(place.triangle)));
+}
+
+SmoothSurface::TangentPlane SmoothSurface::tangent_plane(const Place& place) const {
   const std::array<Vec3, 3> normals = normals_of(place.triangle);
-  return normalized(place.weights[0] * normals[0] + place.weights[1] * normals[1] +
-                    place.weights[2] * normals[2]);
+  return {position_on(mesh_->corners(place.triangle), normals, place.weights),
+          normalized(weighted_sum(place.weights, normals))};
 }
 
 SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec3& point) const {
@@ -515,8 +521,8 @@ std::optional<SmoothSurface::Place> SmoothSurface::project(const Vec3& point, Pl
     place = found.place;
     if (is_flat(place.triangle)) break;
     // Seen from afar, corners of facets are nearest.
-    const Vec3 out = normal(place);
-    const Vec3 moved = point - dot(point - position(place), out) * out;
+    const auto [position, out] = tangent_plane(place);
+    const Vec3 moved = point - dot(point - position, out) * out;
     if (squared_length(moved - near) <= kProjected * kProjected * squared_length(point)) break;
     near = moved;
   }
@@ -528,7 +534,7 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t gue
   // Once the tree has found the part of the surface, what is nearest to its patches is near by.
   const auto find = [&](const Vec3& near, const Place& place) {
     if (is_searched) {
-      const Slide walked = climb(place, Nearness{*this, near}, kMostWalked);
+      const Slide walked = climb(place, Nearness{near}, kMostWalked);
       if (walked.is_at_rest) return walked;
     }
     is_searched = true;
@@ -538,13 +544,13 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t gue
 }
 
 SmoothSurface::Place SmoothSurface::below(const Place& start, const Vec3& point) const {
-  return climb(start, Nearness{*this, point}, kMostTriangles).place;
+  return climb(start, Nearness{point}, kMostTriangles).place;
 }
 
 std::optional<SmoothSurface::Place> SmoothSurface::nearest_from(const Place& start,
                                                                 const Vec3& point) const {
   return project(point, start, [&](const Vec3& near, const Place& place) {
-    return climb(place, Nearness{*this, near}, kMostWalked);
+    return climb(place, Nearness{near}, kMostWalked);
   });
 }
 

@@ -39,6 +39,9 @@ TEST(SmoothSurface, OfAFineBallIsTheSphere) {
     const Vec3 lifted = surface.position(place);
     EXPECT_NEAR(length(lifted), 1.0, 3e-5);
     EXPECT_GT(dot(surface.normal(place), normalized(lifted)), std::cos(5e-3));
+    const auto [position, normal] = surface.tangent_plane(place);
+    EXPECT_EQ(position, lifted);
+    EXPECT_EQ(normal, surface.normal(place));
   }
 }
 
