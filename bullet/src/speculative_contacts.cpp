@@ -116,21 +116,21 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     const double distance = kFlatScales[0] * step.ball.radius;
     if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
   }
-  const Vec3 out_of_field =
-      point == nullptr
-          ? touch.outwards
-          : -field_from_path.rotate(path.turned_at(reached->fraction, point->normal_in_path));
-  if (dot(touch.outwards, out_of_field) < -static_cast<double>(kAlignedCosine)) {
-    const auto place = static_cast<Vec3>(touch.place);
-    const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
-    const std::size_t bends =
-        bends_from(*point->own, point->place, point->normal, step.ball.radius);
-    if (bends_before(field, on_field, touch.outwards, step.ball.radius, bends)) {
-      const auto depth =
-          depth_along(field, place, out_of_field, offset, kColumnGaps * step.touching_gap());
-      if (!depth) return std::nullopt;
-      touch.outwards = out_of_field;
-      touch.gap = std::max(-*depth, 0.0);
+  if (point != nullptr) {
+    const Vec3 out_of_field =
+        -field_from_path.rotate(path.turned_at(reached->fraction, point->normal_in_path));
+    if (dot(touch.outwards, out_of_field) < -static_cast<double>(kAlignedCosine)) {
+      const auto place = static_cast<Vec3>(touch.place);
+      const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
+      const std::size_t bends =
+          bends_from(*point->own, point->place, point->normal, step.ball.radius);
+      if (bends_before(field, on_field, touch.outwards, step.ball.radius, bends)) {
+        const auto depth =
+            depth_along(field, place, out_of_field, offset, kColumnGaps * step.touching_gap());
+        if (!depth) return std::nullopt;
+        touch.outwards = out_of_field;
+        touch.gap = std::max(-*depth, 0.0);
+      }
     }
   }
   const double closing = -dot(displacement, touch.outwards);

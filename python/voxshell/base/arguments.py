@@ -120,9 +120,9 @@ def as_choice(value: Any, name: str, choices: Iterable[str]) -> str:
     """Return one of some words."""
     words = tuple(choices)
     if not (isinstance(value, str) and value in words):
-        raise SettingsError(
-            f"{name} must be one of {', '.join(map(repr, words))}, not {show_value(value)}"
-        )
+        *others, last = map(repr, words)
+        known = f"{', '.join(others)} or {last}" if others else last
+        raise SettingsError(f"{name} must be {known}, not {show_value(value)}")
     return value
 
 

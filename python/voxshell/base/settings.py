@@ -8,7 +8,7 @@ from functools import cache
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from voxshell.base.arguments import show_value
+from voxshell.base.arguments import as_choice, show_value
 from voxshell.base.input_files import read_needed_file
 from voxshell.errors import SettingsError
 
@@ -209,11 +209,7 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
         item = get_args(kind)[0]
         return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
     if origin is Literal:
-        if value not in get_args(kind):
-            raise SettingsError(
-                f"{name} must be one of {', '.join(map(repr, get_args(kind)))}, not {show_value(value)}"
-            )
-        return value
+        return as_choice(value, name, get_args(kind))
     words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
     # TOML writes 2 for the float 2.0, and in Python True is an int.
     accepted = (int, float) if kind is float else (kind,)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from voxshell.base.arguments import FARTHEST, as_integer, as_length, as_real, show_value
+from voxshell.base.arguments import FARTHEST, as_choice, as_integer, as_length, as_real
 from voxshell.errors import SettingsError
 
 _LARGEST_INT = 2**31 - 1
@@ -61,16 +61,12 @@ def as_settings(
 
 def as_sign(value: str) -> str:
     """Return a method to find the inside of a mesh."""
-    if not (isinstance(value, str) and value in ("auto", "closed", "winding")):
-        raise SettingsError(f"sign must be 'auto', 'closed' or 'winding', not {show_value(value)}")
-    return value
+    return as_choice(value, "sign", ("auto", "closed", "winding"))
 
 
 def as_open(value: str) -> str:
     """Return a treatment of open meshes."""
-    if not (isinstance(value, str) and value in ("auto", "solid", "sheet")):
-        raise SettingsError(f"open must be 'auto', 'solid' or 'sheet', not {show_value(value)}")
-    return value
+    return as_choice(value, "open", ("auto", "solid", "sheet"))
 
 
 def as_sheet_thickness(value: float | None, open_as: str) -> float:

@@ -8,17 +8,17 @@ import numpy as np
 
 from voxshell._core import Model as CoreModel
 from voxshell.base.arguments import (
+    as_choice,
     as_flag,
     as_path,
     as_positive,
     as_threads,
     check_callable,
-    show_value,
 )
 from voxshell.base.input_files import check_exists
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
-from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, SettingsError
+from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_settings
 from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
@@ -368,9 +368,7 @@ class Model:
                    [0., 0., 1.]])
         """
         kilograms = as_positive(mass, "mass")
-        if not (isinstance(kind, str) and kind in ("solid", "surface")):
-            raise SettingsError(f"kind must be 'solid' or 'surface', not {show_value(kind)}")
-        if kind == "solid":
+        if as_choice(kind, "kind", ("solid", "surface")) == "solid":
             center, inertia = self._core.solid_mass_properties
         else:
             center, inertia = self._core.surface_mass_properties

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell.base.arguments import as_integer, as_positive, show_value
+from voxshell.base.arguments import as_choice, as_integer, as_positive
 from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
 from voxshell.model.meshes import Mesh, doubt_unit
 from voxshell.model.model import Model
@@ -47,10 +47,7 @@ class MeshSettings:
     mesh_as: Literal["model", "hull"]
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.mesh_as, str) and self.mesh_as in ("model", "hull")):
-            raise SettingsError(
-                f"mesh_as must be 'model' or 'hull', not {show_value(self.mesh_as)}"
-            )
+        as_choice(self.mesh_as, "mesh_as", ("model", "hull"))
         if self.voxel_size is not None:
             as_positive(self.voxel_size, "voxel_size")
         if self.resolution is not None:

@@ -130,7 +130,7 @@ def test_flags_are_true_or_false():
 def test_choices_are_words_of_a_list():
     assert arguments.as_choice("a", "kind", ("a", "b")) == "a"
     for value in ("c", ["a"], np.array(["a", "b"]), {}, None):
-        with pytest.raises(vx.SettingsError, match=r"^kind must be one of 'a', 'b', not "):
+        with pytest.raises(vx.SettingsError, match=r"^kind must be 'a' or 'b', not "):
             arguments.as_choice(value, "kind", ("a", "b"))
 
 

@@ -159,11 +159,11 @@ SCENES = [
     ("[scene]\ngravity = [0, 0]\n", 2, "scene.gravity must be 3 finite numbers"),
     ("[scene]\n\ngravity = [\n 0,\n 0,\n nan,\n]\n", 3, "scene.gravity must be 3 finite"),
     ("[scene]\niterations = 0\n", 2, "scene.iterations must be from 1"),
-    ('[scene]\ncontact = "soft"\n', 2, "scene.contact must be one of 'auto'"),
+    ('[scene]\ncontact = "soft"\n', 2, "scene.contact must be 'auto'"),
     ('[scene]\ncontact = "regular"\nlevel = 2\n', 3, "scene.level is for segmented"),
     ("[scene]\nspeed = 3\n", 2, "scene.speed: unknown setting; valid settings: title, duration"),
     ("[outputs]\nevery = 0\n", 2, "outputs.every must be from 1"),
-    ('[outputs]\nposes = "xml"\n', 2, "outputs.poses must be one of 'parquet'"),
+    ('[outputs]\nposes = "xml"\n', 2, "outputs.poses must be 'parquet'"),
     ("[meshes.part]\nscale = 1\n", 1, "meshes.part.file must be given"),
     ('[meshes.part]\nfile = "part.stl"\nscale = 0\n', 3, "meshes.part.scale must be above 0"),
     (
@@ -189,7 +189,7 @@ SCENES = [
     (
         '[meshes.part]\nfile = "a.stl"\nopen = true\n',
         3,
-        "meshes.part.open must be one of 'auto', 'solid', 'sheet', not True",
+        "meshes.part.open must be 'auto', 'solid' or 'sheet', not True",
     ),
     (
         '[meshes.part]\nfile = "a.stl"\nopen = "solid"\nsheet_thickness = 1\n',
@@ -197,7 +197,7 @@ SCENES = [
         "meshes.part.sheet_thickness is for open='sheet' or 'auto'",
     ),
     ("[bodies.ball]\nmass = 1\n", 1, "bodies.ball.shape or mesh must be given"),
-    ('[bodies.ball]\nshape = "egg"\n', 2, "bodies.ball.shape must be one of 'plane'"),
+    ('[bodies.ball]\nshape = "egg"\n', 2, "bodies.ball.shape must be 'plane'"),
     ('[bodies.ball]\nshape = "sphere"\n', 1, "bodies.ball.radius must be given"),
     ('[bodies.ball]\nshape = "sphere"\nradius = 0\n', 3, "bodies.ball.radius must be above 0"),
     (
@@ -213,7 +213,7 @@ SCENES = [
     (
         '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "free"\n',
         4,
-        "bodies.ball.motion must be one of 'dynamic', 'static', 'kinematic', not 'free'",
+        "bodies.ball.motion must be 'dynamic', 'static' or 'kinematic', not 'free'",
     ),
     (
         '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "dynamic"\nmass = 0\n',
@@ -262,7 +262,7 @@ SCENES = [
     ),
     ('[bodies.a]\nshape = "cone"\nradius = 1\n', 1, "bodies.a.height must be given for a cone"),
     (f'{DOOR}[joints.j]\nkind = "hinge"\n', 4, "joints.j.child must be given"),
-    (f'{DOOR}[joints.j]\nkind = "rope"\n', 5, "joints.j.kind must be one of 'fixed', 'hinge'"),
+    (f'{DOOR}[joints.j]\nkind = "rope"\n', 5, "joints.j.kind must be 'fixed', 'hinge'"),
     (f'{DOOR}[joints.j]\nchild = "gate"\nkind = "fixed"\n', 5, "joints.j.child is 'gate', which"),
     (
         f'{DOOR}[joints.j]\nchild = "door"\nparent = "door"\nkind = "fixed"\n',

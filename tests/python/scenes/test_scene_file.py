@@ -39,11 +39,11 @@ HOSTILE: dict[str, tuple[Callable[[], str], str]] = {
     ),
     "hexadecimal integer for a text": (
         lambda: "[bodies.a]\nshape = 0x" + "f" * 5000,
-        ":2: bodies.a.shape must be one of .* an integer of 20000 bits",
+        ":2: bodies.a.shape must be 'plane', .* an integer of 20000 bits",
     ),
     "hexadecimal integers in a list": (
         lambda: "[bodies.a]\nshape = [0x" + "f" * 5000 + "]",
-        ":2: bodies.a.shape must be one of .* too many digits",
+        ":2: bodies.a.shape must be 'plane', .* too many digits",
     ),
     "2000 nested arrays": (
         lambda: ONE + "color = " + "[" * 2000 + "]" * 2000,

@@ -116,3 +116,16 @@ def test_a_ball_that_hits_a_peg_between_panes_stays_between_them() -> None:
             world.step()
             deepest = max(deepest, abs(body.position[1]) - 0.002)
     assert deepest < 1.5e-3
+
+
+def test_cones_on_a_slab_as_thin_as_a_voxel_find_ground():
+    """Halfway through such a slab its field has no gradient, which once ended the process."""
+    cone = vx.Model.from_mesh(trimesh.creation.cone(radius=0.05, height=0.08))
+    slab = vx.Model.from_mesh(trimesh.creation.box((0.6, 0.6, 0.02)), voxel_size=0.02)
+    world = vx.World()
+    world.add(slab, mass=0.0, pose=(0, 0, -0.01))
+    for i in range(8):
+        place = ((i % 3 - 1) * 0.15 + 0.003 * i, (i // 3 - 1) * 0.15, 0.01 + 0.002 * i)
+        world.add(cone, pose=place)
+    world.step(60)
+    assert all(np.isfinite(body.pose).all() for body in world.bodies)

@@ -45,7 +45,7 @@ def test_every_kind_of_field_can_be_overridden():
         ({"steps": 1.5}, "fall.steps must be an integer, not 1.5"),
         ({"rates": 5.0}, "fall.rates must be a list, not 5.0"),
         ({"rates": [5.0, "x"]}, r"fall.rates\[1\] must be a number, not 'x'"),
-        ({"ground": "ice"}, "fall.ground must be one of 'plane', 'box', not 'ice'"),
+        ({"ground": "ice"}, "fall.ground must be 'plane' or 'box', not 'ice'"),
         ({"sleeping": 1}, "fall.sleeping must be true or false, not 1"),
         ({"height": -1.0}, "fall.height must be above 0, not -1"),
     ],
