@@ -5,9 +5,9 @@
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 
+#include "blows.h"
 #include "compound_algorithm.h"
 #include "contact_constants.h"
 
@@ -40,18 +40,15 @@ int count_points(btBroadphasePair& pair) {
 /// Searches for contacts of pairs that had none.
 class SearchAgain : public btOverlapCallback {
  public:
-  using Faster = CheckedMotion::Faster;
-
-  SearchAgain(const std::vector<Faster>& faster, btCollisionDispatcher& dispatcher,
-              const btDispatcherInfo& info)
+  /// @param faster  By address.
+  SearchAgain(const std::vector<const btCollisionObject*>& faster,
+              btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
       : faster_(faster), dispatcher_(dispatcher), info_(info) {}
 
   bool processOverlap(btBroadphasePair& pair) override {
     const auto* const a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
     const auto* const b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    const btScalar displacement = std::max(displacement_of(a), displacement_of(b));
-    const bool rebounds = btManifoldResult::calculateCombinedRestitution(a, b) > 0;
-    if (!(displacement > (rebounds ? static_cast<btScalar>(kCheckedReboundOfSize) : 0)))
+    if (!std::ranges::binary_search(faster_, a) && !std::ranges::binary_search(faster_, b))
       return false;
     if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
     if (count_points(pair) > 0) return false;
@@ -63,14 +60,7 @@ class SearchAgain : public btOverlapCallback {
   bool has_found() const { return has_found_; }
 
  private:
-  /// Of its size; 0 where it is not faster than expected.
-  btScalar displacement_of(const btCollisionObject* object) const {
-    const auto found =
-        std::ranges::lower_bound(faster_, btRigidBody::upcast(object), {}, &Faster::body);
-    return found != faster_.end() && found->body == object ? found->displacement : btScalar(0);
-  }
-
-  const std::vector<Faster>& faster_;
+  const std::vector<const btCollisionObject*>& faster_;
   btCollisionDispatcher& dispatcher_;
   const btDispatcherInfo& info_;
   bool has_found_ = false;
@@ -94,19 +84,26 @@ void CheckedMotion::State::put_on(btRigidBody& body) const {
   body.setAngularVelocity(angular_velocity);
 }
 
+CheckedMotion::CheckedMotion() : blows_(std::make_unique<Blows>()) {}
+
+CheckedMotion::~CheckedMotion() = default;
+
 void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies) {
+  solutions_ = 1;
   all_.clear();
+  blows_->clear();
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
-    if (!(body.getInvMass() > 0) || !body.isActive()) continue;
+    // Those that sleep, too: the solver wakes what is hit.
+    if (!(body.getInvMass() > 0)) continue;
     const State before = State::of(body);
-    all_.push_back({&body, before, before, body.getTotalForce(), body.getTotalTorque()});
+    all_.push_back({&body, before, before, before, body.getTotalForce(), body.getTotalTorque()});
   }
 }
 
-/// How far a place of the body moves, if that is farther than the search for contacts expected, by
-/// half of what it expected and a fraction of the body's size; else 0.
-btScalar CheckedMotion::displacement_if_faster(const Checked& checked, btScalar time_step) {
+/// Whether some place of the body moves farther than the search for contacts expected, by half of
+/// what it expected and a fraction of the body's size.
+bool CheckedMotion::is_faster(const Checked& checked, btScalar time_step) {
   const btRigidBody& body = *checked.body;
   const btScalar size = body.getCollisionShape()->getAngularMotionDisc();
   const auto displacement = [&](const btVector3& linear, const btVector3& angular) {
@@ -115,30 +112,39 @@ btScalar CheckedMotion::displacement_if_faster(const Checked& checked, btScalar 
   const State& before = checked.before;
   const State& solved = checked.solved;
   const btScalar least = static_cast<btScalar>(kCheckedOfSize) * size;
-  const btScalar farthest = displacement(solved.linear_velocity, solved.angular_velocity);
-  if (farthest <= least) return 0;
+  if (displacement(solved.linear_velocity, solved.angular_velocity) <= least) return false;
   const btVector3 of_forces = (body.getInvMass() * time_step) * checked.force;
   const btVector3 change = solved.linear_velocity - before.linear_velocity;
   const btVector3 turning = solved.angular_velocity - before.angular_velocity;
   const btScalar unexpected =
       std::min(displacement(change, turning), displacement(change - of_forces, turning));
   const btScalar expected = displacement(before.linear_velocity, before.angular_velocity);
-  return unexpected > static_cast<btScalar>(kCheckedOfExpected) * expected + least ? farthest
-                                                                                   : btScalar(0);
+  return unexpected > static_cast<btScalar>(kCheckedOfExpected) * expected + least;
 }
 
 bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                                   const btDispatcherInfo& info) {
+  if (solutions_ < kMostSolutions && is_unfinished(broadphase, dispatcher, info)) {
+    ++solutions_;
+    return true;
+  }
+  blows_->finish();
+  return false;
+}
+
+/// Looks for contacts. If the step is to be solved again, bodies are as the next solution is to
+/// begin, else as the last one left them.
+bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                                  const btDispatcherInfo& info) {
   faster_.clear();
   for (Checked& checked : all_) {
     checked.solved = State::of(*checked.body);
-    const btScalar farthest = displacement_if_faster(checked, info.m_timeStep);
-    if (!(farthest > 0)) continue;
-    faster_.push_back(
-        {checked.body, farthest / checked.body->getCollisionShape()->getAngularMotionDisc()});
+    if (is_faster(checked, info.m_timeStep)) faster_.push_back(checked.body);
   }
   if (faster_.empty()) return false;
-  std::ranges::sort(faster_, {}, &Faster::body);
+  for (const Checked& checked : all_) checked.start.put_on(*checked.body);
+  std::ranges::sort(faster_);
+  blows_->find(dispatcher, faster_, info.m_timeStep);
   for (const Checked& checked : all_) {
     // Their velocity has what forces add.
     State{checked.before.world_from_body, checked.solved.linear_velocity,
@@ -146,17 +152,31 @@ bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatche
         .put_on(*checked.body);
     checked.body->clearForces();
   }
-  for (const Faster& faster : faster_) {
-    extend_bounds(*faster.body, info.m_timeStep, broadphase, dispatcher);
+  const bool has_come_back = blows_->restore(info.m_timeStep);
+  const bool has_found = search(broadphase, dispatcher, info);
+  const bool is_unfinished = has_found || has_come_back;
+  if (is_unfinished) blows_->keep(dispatcher, info.m_timeStep);
+  for (const Checked& checked : all_) {
+    (is_unfinished ? checked.before : checked.solved).put_on(*checked.body);
+    checked.body->applyCentralForce(divide(checked.force, checked.body->getLinearFactor()));
+    checked.body->applyTorque(divide(checked.torque, checked.body->getAngularFactor()));
+  }
+  if (!is_unfinished) return false;
+  blows_->strike();
+  for (Checked& checked : all_) checked.start = State::of(*checked.body);
+  return true;
+}
+
+/// Looks for contacts of bodies that are faster, in pairs that have none.
+bool CheckedMotion::search(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                           const btDispatcherInfo& info) const {
+  for (const Checked& checked : all_) {
+    if (!std::ranges::binary_search(faster_, checked.body)) continue;
+    extend_bounds(*checked.body, info.m_timeStep, broadphase, dispatcher);
   }
   broadphase.calculateOverlappingPairs(&dispatcher);
   SearchAgain search(faster_, static_cast<btCollisionDispatcher&>(dispatcher), info);
   broadphase.getOverlappingPairCache()->processAllOverlappingPairs(&search, &dispatcher, info);
-  for (const Checked& checked : all_) {
-    (search.has_found() ? checked.before : checked.solved).put_on(*checked.body);
-    checked.body->applyCentralForce(divide(checked.force, checked.body->getLinearFactor()));
-    checked.body->applyTorque(divide(checked.torque, checked.body->getAngularFactor()));
-  }
   return search.has_found();
 }
 

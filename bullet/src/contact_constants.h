@@ -475,10 +475,13 @@ inline constexpr double kTurnedCosine = 0.70710678118654752;
 inline constexpr double kCheckedOfSize = 0.01;
 /// And farther by this fraction of what was expected, as guards look about as far again.
 inline constexpr double kCheckedOfExpected = 0.5;
-/// Where bodies rebound, that fraction: a contact that is found late stops them, and the next step
-/// lets those that have come less far rebound. Smaller: balls that hit each other lose energy.
-/// Larger: at low rates they end in each other, and gain some.
-inline constexpr double kCheckedReboundOfSize = 0.25;
+/// How often a step is solved at most. Fewer: at low rates a blow passes through fewer balls of a
+/// row within a step, and they end in each other. Larger: heaps of elastic bodies take longer.
+inline constexpr int kMostSolutions = 9;
+/// Bodies that a blow has parted may come back, in the solution after it, up to this many times as
+/// fast: a light ball between two heavy ones that approach it comes back five times as fast. Below
+/// 1: what holds them adds energy. Larger: after the last solution, they are deeper in each other.
+inline constexpr double kReturnOfParting = 5.0;
 
 // ---- segments -----------------------------------------------------------------------------------
 

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace voxshell::bullet {
+
+class Blows;
 
 /// Looks along the motion that the solver has found for bodies that it made fast.
 ///
@@ -17,20 +21,19 @@ namespace voxshell::bullet {
 /// docs/decisions/0063-motion-is-checked.md.
 class CheckedMotion {
  public:
+  CheckedMotion();
+  ~CheckedMotion();
+  CheckedMotion(const CheckedMotion&) = delete;
+  CheckedMotion& operator=(const CheckedMotion&) = delete;
+
   /// Call it before the solver, with the world's bodies.
   void begin(const btAlignedObjectArray<btRigidBody*>& bodies);
 
-  /// Call it after the solver. If contacts are found that the solver does not know, bodies are as
-  /// they were in begin(), and the contacts are in manifolds: solve again. Else bodies are as the
-  /// solver left them.
+  /// Call it after the solver, until it returns false. While contacts are found that the solver
+  /// does not know, they are in manifolds, and bodies are as in begin(), with the velocities that
+  /// blows have given them: solve again. Else bodies are as the solver left them.
   bool find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info);
-
-  /// A body that the solver has made fast.
-  struct Faster {
-    btRigidBody* body;
-    btScalar displacement;  ///< of its fastest place within the step, in sizes of the body
-  };
 
  private:
   struct State {
@@ -44,15 +47,22 @@ class CheckedMotion {
   struct Checked {
     btRigidBody* body;
     State before;
+    State start;  ///< of the last solution: before, with blows
     State solved;
     btVector3 force;
     btVector3 torque;
   };
 
-  static btScalar displacement_if_faster(const Checked& checked, btScalar time_step);
+  static bool is_faster(const Checked& checked, btScalar time_step);
+  bool is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                     const btDispatcherInfo& info);
+  bool search(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+              const btDispatcherInfo& info) const;
 
   std::vector<Checked> all_;
-  std::vector<Faster> faster_;  ///< by address
+  std::vector<const btCollisionObject*> faster_;  ///< bodies that the solver made fast, by address
+  std::unique_ptr<Blows> blows_;
+  int solutions_ = 0;  ///< of the step
 };
 
 /// A Bullet dynamics world that checks the solver's motion, and solves again where it leads into
@@ -66,12 +76,11 @@ class CheckedMotionWorld : public World {
   void solveConstraints(btContactSolverInfo& info) override {
     checked_.begin(this->m_nonStaticRigidBodies);
     World::solveConstraints(info);
-    if (!checked_.find_contacts(*this->getBroadphase(), *this->getDispatcher(),
-                                this->getDispatchInfo())) {
-      return;
+    while (checked_.find_contacts(*this->getBroadphase(), *this->getDispatcher(),
+                                  this->getDispatchInfo())) {
+      this->calculateSimulationIslands();
+      World::solveConstraints(info);
     }
-    this->calculateSimulationIslands();
-    World::solveConstraints(info);
   }
 
  private:

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace voxshell::bullet {
+
+/// Passes blows on from body to body in a step that is solved several times.
+///
+/// A ball that is hit flies into the next one within the step. The second blow begins with the
+/// velocities that the first one left, and what it gives is not taken back: solved at once with
+/// the first, two balls would be hit as one heavy ball. So each solution begins with the impulses
+/// of all contacts of the islands in which bodies have rebounded, and adds to them. In these
+/// islands, bodies that part may come back: contacts that held them while the next blow acts would
+/// add energy. Those that have come back rebound in the solution after it.
+class Blows {
+ public:
+  /// Forgets those of the last step.
+  void clear();
+  /// Finds what contacts gave in islands in which one of the bodies `faster`, by address, has
+  /// rebounded. Bodies have the velocities that the solution began with.
+  void find(btDispatcher& dispatcher, std::span<const btCollisionObject* const> faster,
+            btScalar time_step);
+  /// Gives contacts back what keep() changed, and returns whether bodies that had parted have come
+  /// back through their gap. Bodies have the velocities that the solver found.
+  bool restore(btScalar time_step);
+  /// Keeps what find() found, and changes contacts for the next solution. Bodies have the
+  /// velocities that the solver found.
+  void keep(btDispatcher& dispatcher, btScalar time_step);
+  /// Gives all that was kept to the bodies, which have the velocities from before the step.
+  void strike() const;
+  /// Gives contacts the impulses of all solutions, and back what keep() changed.
+  void finish();
+
+ private:
+  /// What a contact gave its bodies, N s.
+  struct Blow {
+    btRigidBody* a;
+    btRigidBody* b;
+    btManifoldPoint* point;
+    btScalar normal;
+    btScalar lateral_1;
+    btScalar lateral_2;
+  };
+  /// What a contact had before it was changed.
+  struct Changed {
+    const btRigidBody* a;
+    const btRigidBody* b;
+    btManifoldPoint* point;
+    btScalar distance;
+    btScalar restitution;
+  };
+
+  void let_return(const Blow& blow, btScalar time_step);
+  void let_part(const btRigidBody& a, const btRigidBody& b, btManifoldPoint& point,
+                btScalar time_step);
+  void give_back();
+
+  std::vector<int> islands_;  ///< with blows, ascending
+  std::vector<Blow> found_;   ///< of the last solution
+  std::vector<Blow> kept_;    ///< of those before
+  std::vector<Changed> changed_;
+};
+
+}  // namespace voxshell::bullet
