@@ -20,15 +20,20 @@ inline constexpr double kRestMarginOfThickness = 0.05;
 
 // ---- continuous collision detection (CCD) -------------------------------------------------------
 
-/// A pair needs CCD where it moves in a step by more than this fraction of a model's thickness.
-/// Larger: a body may pass the middle of a wall in one step, and is pushed out of its far side.
-inline constexpr double kCcdOfThickness = 0.4;
+/// The finest detail of a body, as a fraction of a model's thickness. Larger: a body may pass the
+/// middle of a wall in one step, and is pushed out of its far side.
+inline constexpr double kDetailOfThickness = 0.4;
 /// The same as a fraction of a model's longest side, or of the diameter of the ball about a shape
-/// of Bullet's. Larger: bodies penetrate visibly before they stop, and climb low steps. Of a 20th,
-/// rebounds of a ball of 0.2 m were no longer those of its restitution. Decision 26.
-inline constexpr double kCcdOfSize = 0.02;
+/// of Bullet's. Larger: bodies climb low steps. Of a 20th, rebounds of a ball of 0.2 m were no
+/// longer those of its restitution. Decision 26.
+inline constexpr double kDetailOfSize = 0.02;
 /// The same as a fraction of the diameter of the ball that fits into a shape of Bullet's.
-inline constexpr double kCcdOfInnerDiameter = 0.125;
+inline constexpr double kDetailOfInnerDiameter = 0.125;
+/// A pair needs CCD where it moves in a step by more than this fraction of the finer body's detail.
+/// Smaller: bodies that slide slowly have a contact on each segment, and Bullet's own solver gives
+/// them too much friction. Larger: bodies are that much deeper where they land, and come out within
+/// a tenth of a second. Decision 50.
+inline constexpr double kCcdOfDetail = 0.25;
 /// In steps with CCD, points count up to this many times the farthest displacement, because the
 /// solver may make a point faster than it is: an impulse at one end of a rod turns it about its
 /// middle. Smaller: the other end of a rod that falls flat goes into the ground. Larger: slower.

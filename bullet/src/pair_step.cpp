@@ -38,7 +38,8 @@ void look_ahead(const ContactSettings& settings, PairStep& step) {
   const Motion& b = step.motion_b;
   // Inside each other the nearest surface is a face, not the edge or corner that they hit.
   const bool rebounds = step.restitution > 0.0 && settings.mode == ContactMode::kAutomatic;
-  const double by_default = rebounds ? std::min(step.rest_margin, step.detail) : step.detail;
+  const double of_detail = kCcdOfDetail * step.detail;
+  const double by_default = rebounds ? std::min(step.rest_margin, of_detail) : of_detail;
   const double threshold =
       settings.ccd_motion_threshold >= 0.0 ? settings.ccd_motion_threshold : by_default;
   step.farthest_displacement = find_farthest_displacement(a, b, step.ball, step.time_step);

@@ -70,9 +70,8 @@ class Side {
   double thinnest() const;
   /// Whether its field tells the sides of an edge apart. Uniform models round edges over a voxel.
   bool has_sharp_field() const { return model_ == nullptr || model_->settings().tolerance > 0.0; }
-  /// What moves by more in a step may be through it unseen, or deeper in it than a user accepts,
-  /// metres: a 50th of its longest side, or two fifths of a model's thickness, or a quarter of the
-  /// depth of another shape's middle.
+  /// What moves by more in a step may be through it unseen, metres: a 50th of its longest side, or
+  /// two fifths of a model's thickness, or a quarter of the depth of another shape's middle.
   double detail() const;
 
  private:

@@ -87,7 +87,7 @@ std::optional<AfterTouch> find_motion_after(const PairStep& step, const FirstTou
   if (!has_others_to_follow(step, first)) return std::nullopt;
   // Friction and other bodies may make it another motion, which must not lead through a body.
   const double thinnest = std::min(pair.a.thinnest(), pair.b.thinnest());
-  if (step.farthest_displacement > kCcdOfThickness * std::min(thinnest, step.ball.radius)) {
+  if (step.farthest_displacement > kDetailOfThickness * std::min(thinnest, step.ball.radius)) {
     return std::nullopt;
   }
   FreeBodies bodies(step);

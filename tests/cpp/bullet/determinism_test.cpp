@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x993b33377a9d59ad, 0x555ab0a5c952e2c8, 0x77dfa791627972e7, 0xa65b93c7edc73f4c,
-        0xc4d892d1ab8e5d62, 0x48f055871cab67f5}},
+       {0x63ca09b937e32083, 0xa4d79d9f108cbeaa, 0x376e7560db293b61, 0x208311d987d68b81,
+        0x9ddbd697d09d1376, 0x36bb4edcff716374}},
       {"Bullet 324 double, anywhere",
-       {0x97bc217cbed8bd2f, 0x955dc252adf4eada, 0x3a633a5e076e7efa, 0x616cf97e91bddfd4,
-        0x37780ecbb81ca417, 0xacc3fa6ce8ec6938}},
+       {0xb4964108c0f4c5d2, 0x4a65edf4a557777b, 0xcf7784ef97670aa0, 0xb315102de21bc194,
+        0x05742c61c0921abf, 0x864f9176e9fa6881}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x89d92048c8a76b6f, 0x8eb304d85df36863, 0x0568829fd5008024, 0xa8d941026f56b4b1,
-        0x5aac38f1fed27af1, 0xe8d813255714fc36}},
+       {0x35109393d42e1fa6, 0x2e8dfaffb77da60a, 0x3434f18da0e3b866, 0xa8d941026f56b4b1,
+        0xf7920f735e679f49, 0x9a6709d0e12c8942}},
   };
   return hashes;
 }

@@ -52,9 +52,9 @@ TEST(PairStep, UsesCcdBeyondTheThreshold) {
   EXPECT_TRUE(with_threshold(0.0049).uses_ccd);
   EXPECT_FALSE(with_threshold(0.0051).uses_ccd);
   EXPECT_FALSE(with_threshold(std::numeric_limits<double>::infinity()).uses_ccd);
-  // By default, a 50th of the longest side.
-  EXPECT_TRUE(scene.step({}, 0.0041).uses_ccd);
-  EXPECT_FALSE(scene.step({}, 0.0039).uses_ccd);
+  // By default, a 200th of the longest side.
+  EXPECT_TRUE(scene.step({}, 0.00103).uses_ccd);
+  EXPECT_FALSE(scene.step({}, 0.00098).uses_ccd);
 }
 
 TEST(PairStep, LooksFartherWithCcd) {

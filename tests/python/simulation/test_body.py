@@ -490,7 +490,7 @@ def test_wrong_uses_of_bodies_are_refused(brick):
         (lambda: setattr(body, "linear_damping", 2), "linear_damping must be from 0 to 1"),
         (lambda: setattr(body, "group", -1), "group must be at least 0"),
         (lambda: world.set_collision(body, body, False), "both 'body 2'"),
-        (lambda: world.add(brick, motion="flying"), "'dynamic', 'static', 'kinematic'"),
+        (lambda: world.add(brick, motion="flying"), "'dynamic', 'static' or 'kinematic'"),
         (lambda: world.add(brick, mass=0, motion="dynamic"), "a dynamic body needs a mass above 0"),
         (lambda: world.add(vx.Plane(), motion="kinematic"), "a plane is unbounded"),
         (lambda: vx.World().remove(body), "another world"),

@@ -21,7 +21,7 @@ def test_the_mass_decides_where_nobody_says(mass, motion, found):
 
 
 def test_wrong_ones_are_told_with_the_right_ones():
-    with pytest.raises(vx.SettingsError, match="one of 'dynamic', 'static', 'kinematic', not 'up'"):
+    with pytest.raises(vx.SettingsError, match="'dynamic', 'static' or 'kinematic', not 'up'"):
         as_mass_and_motion(1.0, "up")  # type: ignore[arg-type]
     with pytest.raises(vx.SettingsError, match="a dynamic body needs a mass above 0"):
         as_mass_and_motion(0.0, "dynamic")

@@ -52,8 +52,8 @@ struct ContactSettings {
 
   /// A pair that moves farther than this in a step, meters, gets continuous collision detection
   /// (CCD): points that will touch within the step are speculative contacts, so fast bodies stop at
-  /// surfaces, including thin ones. Negative: two fifths of a model's thickness, a 50th of its
-  /// longest side, or a quarter of the inner radius of a box, ball or hull, whichever is least; for
+  /// surfaces, including thin ones. Negative: a tenth of a model's thickness, a 200th of its
+  /// longest side, or a 16th of the inner radius of a box, ball or hull, whichever is least; for
   /// pairs with restitution, by kAutomatic, at most the margin. Infinity: no CCD.
   double ccd_motion_threshold = -1.0;
 
