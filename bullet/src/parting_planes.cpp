@@ -79,8 +79,8 @@ std::optional<Seam> find_parting(const Touch& touch, const Arrival& arrival,
     if (apart < -kSeamBeside * step || plane.count <= count_of_own()) continue;
     if (!body.has_field() || !other.has_field()) return std::nullopt;
     const Vec3 aside = leaning_over(touch.normal, plane.normal);
-    const auto on_other = look_beside(arrival.place + down, plane.normal, aside, reach,
-                                      kRoomOfReach * reach, other);
+    const auto on_other =
+        look_beside(arrival.place + down, plane.normal, aside, reach, kRoomOfReach * reach, other);
     if (!on_other || !on_other->is_flat) continue;
     const auto on_body = look_beside(touch.on_body + down, -plane.normal, aside, reach,
                                      kPartedOfReach * reach, body);

@@ -201,10 +201,12 @@ double Side::thinnest() const {
 
 double Side::detail() const {
   if (model_ == nullptr) {
-    return std::min(kDetailOfInnerDiameter * thinnest(), 2.0 * kDetailOfSize * bounding_ball().radius);
+    return std::min(kDetailOfInnerDiameter * thinnest(),
+                    2.0 * kDetailOfSize * bounding_ball().radius);
   }
   const Vec3 sides = model_->bounds().extents();
-  return std::min(kDetailOfThickness * thinnest(), kDetailOfSize * std::max({sides.x, sides.y, sides.z}));
+  return std::min(kDetailOfThickness * thinnest(),
+                  kDetailOfSize * std::max({sides.x, sides.y, sides.z}));
 }
 
 PosedPair::PosedPair(const btCollisionObjectWrapper& a_wrap, const btCollisionObjectWrapper& b_wrap,

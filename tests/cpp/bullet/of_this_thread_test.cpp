@@ -1,9 +1,9 @@
 #include "of_this_thread.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 #include <thread>
+
+#include <gtest/gtest.h>
 
 namespace voxshell::bullet {
 namespace {

@@ -587,16 +587,28 @@ ARRAY = np.ones(2)
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
-        (lambda w, _: vx.World(contact=["auto"]), vx.SettingsError, "contact must be 'auto', 'regular' or 'segmented', not"),
+        (
+            lambda w, _: vx.World(contact=["auto"]),
+            vx.SettingsError,
+            "contact must be 'auto', 'regular' or 'segmented', not",
+        ),
         (lambda w, _: vx.World(solver=ARRAY), vx.SettingsError, "solver must be 'coulomb', "),
-        (lambda w, _: vx.World(shell={}), vx.SettingsError, "shell must be 'auto' or 'fewest', not"),
+        (
+            lambda w, _: vx.World(shell={}),
+            vx.SettingsError,
+            "shell must be 'auto' or 'fewest', not",
+        ),
         (lambda w, _: vx.World(sleeping="no"), vx.SettingsError, "sleeping must be True or False"),
         (lambda w, _: vx.World(ccd_motion_threshold=ARRAY), vx.SettingsError, "must be a number"),
         (lambda w, _: w.step(1, 3), vx.InputTypeError, "callback must be callable, not int"),
         (lambda w, _: w.step(1, before=3), vx.InputTypeError, "before must be callable, not int"),
         (lambda w, _: w.remove("x"), vx.InputTypeError, "must be a Body or a Joint, not str"),
         (lambda w, _: w.add(vx.Sphere(1), name=5), vx.InputTypeError, "name must be a text"),
-        (lambda w, _: w.add(vx.Sphere(1), motion=ARRAY), vx.SettingsError, "motion must be 'dynamic', "),
+        (
+            lambda w, _: w.add(vx.Sphere(1), motion=ARRAY),
+            vx.SettingsError,
+            "motion must be 'dynamic', ",
+        ),
         (lambda w, j: setattr(j.child, "name", 5), vx.InputTypeError, "name must be a text"),
         (lambda w, j: setattr(j, "name", None), vx.InputTypeError, "name must be a text"),
         (
