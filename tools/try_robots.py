@@ -262,7 +262,7 @@ def find_robots(folder: Path, kind: str = "urdf") -> Iterator[tuple[str, Path]]:
             *(part for part in Path(name).parts if part != "..")
         ): f"{package.metadata['Name']} {package.version}"
         for package in distributions(path=[str(folder)])
-        for name, *_ in csv.reader((package.read_text("RECORD") or "").splitlines())
+        for name, *_ in filter(None, csv.reader((package.read_text("RECORD") or "").splitlines()))
         if name.endswith(suffix)
     }
     for path in sorted(folder.rglob(f"*{suffix}")):

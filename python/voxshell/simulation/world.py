@@ -84,7 +84,8 @@ class World(ViewedWorld):
             collision detection (CCD), meters. Points that will touch within the step become
             speculative contacts, so that nothing tunnels. The default is the smallest of a tenth of
             a model's thickness, a 200th of its longest side, and a 16th of the inner radius of a
-            box, ball or hull; for pairs with restitution, at most the margin. Infinity turns CCD off, as in the thesis.
+            box, ball or hull; for pairs with restitution, at most the margin. Infinity turns CCD
+            off, as in the thesis.
         sleeping: Put bodies to sleep that have hardly moved for two seconds.
         split_impulse_threshold: Bullet's m_splitImpulsePenetrationThreshold, meters. The default 0
             resolves penetration without adding velocity, which models need for correct rebounds.

@@ -118,8 +118,8 @@ def test_a_ball_that_hits_a_peg_between_panes_stays_between_them() -> None:
     assert deepest < 1.5e-3
 
 
-def test_cones_on_a_slab_as_thin_as_a_voxel_find_ground():
-    """Halfway through such a slab its field has no gradient, which once ended the process."""
+def test_cones_on_a_slab_as_thin_as_a_voxel_do_not_end_the_process():
+    """Halfway through such a slab its field has no gradient. A null pointer was read there."""
     cone = vx.Model.from_mesh(trimesh.creation.cone(radius=0.05, height=0.08))
     slab = vx.Model.from_mesh(trimesh.creation.box((0.6, 0.6, 0.02)), voxel_size=0.02)
     world = vx.World()
