@@ -359,6 +359,12 @@ inline constexpr double kLeadOfRadius = 0.005;
 /// Where a straight surface leans by less than this sine against a round one, it is where they face
 /// each other.
 inline constexpr double kStraightLean = 2e-3;
+/// A place under an edge is found to this fraction of the distance within which places are one.
+inline constexpr double kEdgeWithin = 0.1;
+/// Samples slide to an edge that is no farther away than this fraction of their spacing. Larger:
+/// where two straight surfaces touch along a line, all samples slide to its deeper end, and the
+/// other end of the body falls into what it lands on.
+inline constexpr double kEdgeOfSpacing = 0.5;
 /// Most ways along a straight surface in turn.
 inline constexpr int kMostStraight = 4;
 /// Most slides of a contact in turn, each towards the field's normal where the last one ended.

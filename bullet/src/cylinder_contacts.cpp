@@ -283,7 +283,7 @@ CylinderContacts::Section CylinderContacts::go_down(const Section& start) {
       continue;
     }
     step *= 0.25;
-    if (step < same_within_) break;
+    if (step < same_within_) return level(at);
   }
   return at;
 }
@@ -303,10 +303,20 @@ std::optional<CylinderContacts::Section> CylinderContacts::find_level(Section ab
     const double slope = slope_of(*between);
     if (std::abs(slope) <= kStraightLean) return between;
     const double left = std::abs(beyond.along - above.along);
-    if (left < same_within_ * kSameOfRadius) return between;
     (slope * a > 0.0 ? above : beyond) = *between;
+    if (left < same_within_ * kSameOfRadius) {
+      return level(above.distance < beyond.distance ? above : beyond);
+    }
   }
   return std::nullopt;
+}
+
+/// On an edge of the model, which has all normals between those of its faces: the side's is the one
+/// that both have.
+CylinderContacts::Section CylinderContacts::level(const Section& section) const {
+  Section level = section;
+  level.outwards = normalized(section.outwards - slope_of(section) * axis_);
+  return level;
 }
 
 /// Whether the model faces the side in one direction at both.

@@ -60,6 +60,7 @@ class CylinderContacts {
   std::optional<Section> face(double along, const Vec3& out);
   Section go_down(const Section& start);
   std::optional<Section> find_level(Section above, Section beyond);
+  Section level(const Section& section) const;
   /// How the distance grows along the axis.
   double slope_of(const Section& section) const { return dot(section.outwards, axis_); }
   static bool are_of_line(const Section& a, const Section& b);

@@ -45,6 +45,24 @@ double bend_of(const F& field, const Vec3& place, const Vec3& normal, double dis
   return static_cast<double>(farthest) / distance;
 }
 
+/// From which of kFlatScales on a surface bends along a tangent, either way; how many there are
+/// where it is straight at all.
+template <class F>
+std::size_t bends_along_from(const F& field, const Vec3& place, const Vec3& tangent,
+                             double radius) {
+  if constexpr (std::is_same_v<F, PlaneField>) return kFlatScales.size();
+  const auto bends = [&](double distance) {
+    const auto off = [&](double along) {
+      return std::abs(static_cast<double>(
+          field.distance(static_cast<Vec3f>(place + along * tangent))));
+    };
+    return std::max(off(distance), off(-distance)) > kFlatBend * distance;
+  };
+  std::size_t scale = 0;
+  while (scale < kFlatScales.size() && !bends(kFlatScales[scale] * radius)) ++scale;
+  return scale;
+}
+
 /// From which of kFlatScales on a surface bends; how many there are where it is flat at all.
 template <class F>
 std::size_t bends_from(const F& field, const Vec3& place, const Vec3& normal, double radius) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact_constants.h"
 #include "contact_list.h"
@@ -171,34 +172,49 @@ std::optional<RoundContacts::Touch> RoundContacts::find_touch(const SmoothSurfac
     if (!facing) return std::nullopt;
     const auto straight_on = go_straight(place, *facing);
     if (!straight_on) return Touch{*facing, place};
-    place = *straight_on;
-    direction = -feel(surface_->position(place)).outwards;
+    place = straight_on->place;
+    const Facing there = feel(surface_->position(place));
+    if (straight_on->is_over_edge && straight_on->displacement <= same_within_) {
+      return Touch{{there.position, -surface_->normal(place), there.distance}, place};
+    }
+    direction = -there.outwards;
     wanted = {};
   }
   return std::nullopt;
 }
 
-/// Where the field's surface is curved and this one is straight, as a bar under a ball, to the
-/// place under it. None where the two face each other already.
-std::optional<SmoothSurface::Place> RoundContacts::go_straight(const SmoothSurface::Place& place,
-                                                               const Facing& facing) {
+/// Where the field's surface is curved or ends and this one is straight, as a bar under a ball or a
+/// pole in a collar that leans, to the place under it or under its edge. None where the two face
+/// each other already.
+std::optional<RoundContacts::Straight> RoundContacts::go_straight(const SmoothSurface::Place& place,
+                                                                  const Facing& facing) {
   const Vec3 normal = surface_->normal(place);
   const Vec3 lean = -facing.outwards - normal;
   if (squared_length(lean) <= kStraightLean * kStraightLean || surface_->is_at_crease(place)) {
     return std::nullopt;
   }
   const Vec3 along = normalized(lean - dot(lean, normal) * normal);
+  double nearer = 0.0;
+  double farther = std::numeric_limits<double>::infinity();
   const auto zero = find_zero(
       [&](double way) -> std::optional<double> {
-        return dot(feel(facing.position + way * along).outwards, along);
+        const double leans = dot(feel(facing.position + way * along).outwards, along);
+        (leans < 0.0 ? nearer : farther) = way;
+        return leans;
       },
       same_within_, least_curvature_, kSlideWithin);
-  if (!zero) return std::nullopt;
-  const Vec3 wanted = facing.position + *zero * along;
+  const double displacement = zero.value_or(nearer);
+  const bool is_over_edge = !zero;
+  if (is_over_edge && (!(farther - nearer <= kEdgeWithin * same_within_) ||
+                       displacement > kEdgeOfSpacing * spacing_)) {
+    return std::nullopt;
+  }
+  const Vec3 wanted = facing.position + displacement * along;
   const SmoothSurface::Place reached = surface_->below(place, wanted);
   // Beyond its end, it is not under the field's surface.
   const double off = squared_length(surface_->position(reached) - wanted);
-  return off <= same_within_ * same_within_ ? std::optional(reached) : std::nullopt;
+  if (off > same_within_ * same_within_) return std::nullopt;
+  return Straight{reached, displacement, is_over_edge};
 }
 
 Facing RoundContacts::feel(const Vec3& position) {

@@ -75,8 +75,13 @@ class RoundContacts {
   bool is_below(const Contact& contact, const Touch& touch) const;
   bool slides_to(const SmoothSurface::Place& start, const Touch& touch);
   std::optional<Touch> find_touch(const SmoothSurface::Place& start, Vec3 direction, double within);
-  std::optional<SmoothSurface::Place> go_straight(const SmoothSurface::Place& place,
-                                                  const Facing& facing);
+  /// The end of a straight way.
+  struct Straight {
+    SmoothSurface::Place place;
+    double displacement;  ///< metres
+    bool is_over_edge;    ///< of the field's body, where its normal turns all at once
+  };
+  std::optional<Straight> go_straight(const SmoothSurface::Place& place, const Facing& facing);
   Facing feel(const Vec3& position);
 
   const SmoothSurface* surface_ = nullptr;

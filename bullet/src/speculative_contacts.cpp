@@ -32,7 +32,23 @@ struct ShellPoint {
   const GridField* own;
   Vec3 place;
   Vec3 normal;
-  Vec3 normal_in_path;  ///< the same in the path's frame, at the start of the step
+  Pose path_from_own;  ///< at the start of the step
+  bool is_on_curve;
+
+  /// Whether the field's surface bends nearer to a touch than that of the shell does: along the
+  /// tangent by which their normals differ, as a cylinder is straight along its axis alone, or all
+  /// around what is flat, whose own edges are elements of the shell.
+  template <class F>
+  bool is_straighter(const Vec3& own_tangent, const F& field, const Vec3& on_field,
+                     const Vec3& outwards, const Vec3& tangent, double radius) const {
+    if (!is_on_curve) {
+      const std::size_t bends = bends_from(*own, place, normal, radius);
+      return bends_before(field, on_field, outwards, radius, bends);
+    }
+    const Vec3 of_field = normalized(tangent - dot(tangent, outwards) * outwards);
+    return bends_along_from(field, on_field, of_field, radius) <
+           bends_along_from(*own, place, own_tangent, radius);
+  }
 };
 
 /// A piece of an edge that is followed, in its own body's frame. What touches an edge of the other
@@ -49,8 +65,8 @@ struct EdgePiece {
 /// The place of a curved surface that faces a face of the other body, as long as it does.
 struct FacingPlace {};
 
-/// What is followed: a point of a flat surface, a piece of an edge, a place that faces, or one that
-/// knows nothing of its surface.
+/// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that knows
+/// nothing of its surface.
 using Element = std::variant<std::monostate, ShellPoint, EdgePiece, FacingPlace>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
@@ -117,14 +133,18 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
   }
   if (point != nullptr) {
-    const Vec3 out_of_field =
-        -field_from_path.rotate(path.turned_at(reached->fraction, point->normal_in_path));
-    if (dot(touch.outwards, out_of_field) < -static_cast<double>(kAlignedCosine)) {
+    const Vec3 out_of_field = -field_from_path.rotate(
+        path.turned_at(reached->fraction, point->path_from_own.rotate(point->normal)));
+    const double cosine = dot(touch.outwards, out_of_field);
+    if (cosine < -static_cast<double>(kAlignedCosine)) {
       const auto place = static_cast<Vec3>(touch.place);
       const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
-      const std::size_t bends =
-          bends_from(*point->own, point->place, point->normal, step.ball.radius);
-      if (bends_before(field, on_field, touch.outwards, step.ball.radius, bends)) {
+      // The tangent along which the two normals differ.
+      const Vec3 tangent = normalized(touch.outwards - cosine * out_of_field);
+      const Vec3 own_tangent = point->path_from_own.inverse().rotate(
+          path.turned_back(reached->fraction, field_from_path.inverse().rotate(tangent)));
+      if (point->is_straighter(own_tangent, field, on_field, touch.outwards, tangent,
+                               step.ball.radius)) {
         const auto depth =
             depth_along(field, place, out_of_field, offset, kColumnGaps * step.touching_gap());
         if (!depth) return std::nullopt;
@@ -147,9 +167,14 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
   const PointShell& shell = *side.participant().shell;
   const GridField& own = side.model()->grid();
   if (shell.is_point(id)) {
-    if (lies_on_curve(*side.model(), id)) return {};
-    const auto normal = static_cast<Vec3>(shell.normals()[id]);
-    return ShellPoint{&own, place, normal, path_from_own.rotate(normal)};
+    if (!lies_on_curve(*side.model(), id)) {
+      const auto normal = static_cast<Vec3>(shell.normals()[id]);
+      return ShellPoint{&own, place, normal, path_from_own, false};
+    }
+    const SmoothSurface& surface = side.model()->smooth_surface();
+    // What has slid is no longer where its sample is.
+    const SmoothSurface::Place on = surface.nearest(place, surface.triangle_of(id));
+    return ShellPoint{&own, place, surface.normal(on), path_from_own, true};
   }
   if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
   const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
