@@ -27,6 +27,8 @@ FARTHEST = 1e15
 
 
 _LONGEST_SHOWN = 80
+_LONGEST_ROW_SHOWN = 8
+_COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 _LARGEST_SHOWN = 2**63
 
 
@@ -46,6 +48,21 @@ def show_value(value: Any) -> str:
     except ValueError:  # Python limits the digits of an integer
         return f"a {type(value).__name__} with an integer of too many digits"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
+
+
+def show_array(array: NDArray[Any]) -> str:
+    """Return an array for a message: a number or a short row itself, else its shape and type.
+
+    Example:
+        >>> show_array(np.array(0.1)), show_array(np.array((0, 1)))
+        ('0.1', '[0, 1]')
+        >>> show_array(np.zeros((1000, 2)))
+        'an array of shape (1000, 2) and type float64'
+    """
+    is_short = array.ndim == 1 and array.size <= _LONGEST_ROW_SHOWN and array.dtype.kind in "fiu"
+    if array.ndim == 0 or is_short:
+        return show_value(array.tolist())
+    return f"an array of shape {describe(array.shape)} and type {array.dtype}"
 
 
 def as_real(value: Any, name: str) -> float:
@@ -166,18 +183,27 @@ def as_floats(
     name: str,
     shape: tuple[int | None, ...],
     error: type[VoxshellError] = SettingsError,
+    meaning: str = "",
 ) -> NDArray[np.float64]:
-    """Return a contiguous float64 array of a shape; None in the shape stands for any length."""
-    wanted = "three numbers, such as (0, 0, 1)" if shape == (3,) else f"{describe(shape)} numbers"
+    """Return a contiguous float64 array of a shape.
+
+    Args:
+        value: Anything that NumPy makes an array of.
+        name: The argument's name in messages.
+        shape: The lengths along each axis; None stands for any length.
+        error: The error to raise.
+        meaning: What follows "numbers" in messages, such as " in meters".
+    """
+    wanted = f"{_count(shape)} numbers{meaning}"
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
-        raise error(f"{name} must be {wanted}: {failure}") from None
+        raise error(f"{name} must be {wanted}, not {show_value(value)} ({failure})") from None
     fits = array.ndim == len(shape) and all(
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
     )
     if array.dtype.kind not in "fiu" or not fits:
-        raise error(f"{name} must be {wanted}, not {describe(array.shape)} {array.dtype}")
+        raise error(f"{name} must be {wanted}, not {show_array(array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -186,9 +212,11 @@ def as_points(value: ArrayLike, name: str) -> NDArray[np.float64]:
     return as_floats(value, name, (None, 3))
 
 
-def as_vector(value: ArrayLike, name: str) -> tuple[float, float, float]:
-    """Return three finite numbers."""
-    x, y, z = as_floats(value, name, (3,)).tolist()
+def as_vector(
+    value: ArrayLike, name: str, meaning: str = ", such as (0, 0, 1)"
+) -> tuple[float, float, float]:
+    """Return three finite numbers; ``meaning`` is as for :func:`as_floats`."""
+    x, y, z = as_floats(value, name, (3,), meaning=meaning).tolist()
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
         raise SettingsError(f"{name} must be finite, not {(x, y, z)}")
     return x, y, z
@@ -203,6 +231,12 @@ def as_path(value: Any, name: str) -> bytes:
     if not path or b"\0" in path:
         raise FileAccessError(f"{name} must name a file, not {show_value(value)}")
     return path
+
+
+def _count(shape: tuple[int | None, ...]) -> str:
+    """Return how many numbers an array of a shape has, in words: "three" or "(n, 3)"."""
+    count = shape[0] if len(shape) == 1 else None
+    return describe(shape) if count is None or count >= len(_COUNTS) else _COUNTS[count]
 
 
 def describe(shape: tuple[int | None, ...]) -> str:

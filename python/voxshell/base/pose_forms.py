@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.base.arguments import FARTHEST, as_floats, describe
+from voxshell.base.arguments import FARTHEST, as_floats, show_array, show_value
 from voxshell.base.rotations import (
     CORRECTED,
     EXACT,
@@ -124,7 +124,7 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
         (16,): "; reshape it to (4, 4)",
         (4,): "; for a rotation alone, call voxshell.pose(xyzw=...)",
     }.get(array.shape, "")
-    raise PoseError(f"{name} must be {_FORMS}, not {describe(array.shape)} {array.dtype}{hint}")
+    raise PoseError(f"{name} must be {_FORMS}, not {show_array(array)}{hint}")
 
 
 def read_poses(value: Any, name: str) -> NDArray[np.float64]:
@@ -148,7 +148,7 @@ def read_poses(value: Any, name: str) -> NDArray[np.float64]:
         return _make_poses(array, None, name)
     if array.ndim == 2 and array.shape[1:] == _SEVEN:
         return _make_poses(array[:, :3], array[:, 3:], name)
-    raise PoseError(f"{name} must be {_MANY_FORMS}, not {describe(array.shape)} {array.dtype}")
+    raise PoseError(f"{name} must be {_MANY_FORMS}, not {show_array(array)}")
 
 
 def make_rigid(pose: NDArray[np.float64], name: str) -> NDArray[np.float64]:
@@ -290,7 +290,7 @@ def _as_array(value: Any, name: str, forms: str) -> NDArray[np.float64]:
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
-        raise PoseError(f"{name} must be {forms}: {failure}") from None
+        raise PoseError(f"{name} must be {forms}, not {show_value(value)} ({failure})") from None
     if array.dtype.kind not in "fiu" or array.ndim == 0:
-        raise PoseError(f"{name} must be {forms}, not {describe(array.shape)} {array.dtype}")
+        raise PoseError(f"{name} must be {forms}, not {show_array(array)}")
     return as_floats(array, name, (None,) * array.ndim, PoseError)

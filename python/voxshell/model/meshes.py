@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats, as_path, as_positive, describe
+from voxshell.base.arguments import as_floats, as_path, as_positive, show_array, show_value
 from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix
 from voxshell.base.user_warnings import shorten_path
@@ -257,12 +257,14 @@ def _as_faces(value: Any, vertex_count: int) -> NDArray[np.uint32]:
     try:
         faces = np.asarray(value)
     except (TypeError, ValueError) as failure:
-        raise MeshError(f"faces must be (m, 3) integers: {failure}") from None
+        raise MeshError(
+            f"faces must be (m, 3) integers, not {show_value(value)} ({failure})"
+        ) from None
     if faces.ndim != 2 or faces.shape[1] != 3:
         hint = "; split quadrilaterals into triangles" if faces.shape[1:] == (4,) else ""
-        raise MeshError(f"faces must be (m, 3) integers, not {describe(faces.shape)}{hint}")
+        raise MeshError(f"faces must be (m, 3) integers, not {show_array(faces)}{hint}")
     if faces.dtype.kind not in "iuf":
-        raise MeshError(f"faces must be (m, 3) integers, not {faces.dtype}")
+        raise MeshError(f"faces must be (m, 3) integers, not {show_array(faces)}")
     if faces.dtype.kind == "f" and not np.array_equal(faces, np.trunc(faces)):
         raise MeshError("faces must be integers; some are fractions or NaN")
     wrong = (faces < 0) | (faces >= vertex_count)

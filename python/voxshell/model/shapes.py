@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import MeshLike
 
 
+_HALF_EXTENTS = " in meters, half of the edge lengths along x, y and z"
+
+
 class Plane(Field):
     """The half-space below a plane: an infinite solid ground.
 
@@ -81,7 +84,9 @@ class Plane(Field):
 
 
 class Box(Field):
-    """A solid box, centered at its origin and aligned with its axes.
+    """A solid box of given half extents, centered at its origin and aligned with its axes.
+
+    A box takes half of its edge lengths, whereas a cylinder takes its whole length.
 
     Args:
         half_extents: (3,), half of the edge lengths along x, y and z, meters.
@@ -98,7 +103,7 @@ class Box(Field):
     __slots__ = ("_half_extents",)
 
     def __init__(self, half_extents: ArrayLike) -> None:
-        x, y, z = as_vector(half_extents, "half_extents")
+        x, y, z = as_vector(half_extents, "half_extents", _HALF_EXTENTS)
         self._half_extents = (
             as_length(x, "half_extents[0]"),
             as_length(y, "half_extents[1]"),
@@ -154,6 +159,9 @@ class Sphere(Field):
 class Capsule(Field):
     """A solid cylinder along z with a hemisphere on each end, centered at its origin.
 
+    ``length`` is the whole length between the hemispheres, unlike the half extents of a box. With
+    its caps, the capsule is ``length + 2 * radius`` long.
+
     Args:
         radius: Meters.
         length: Distance between the centers of the hemispheres, meters. It does not include the
@@ -193,12 +201,14 @@ class Capsule(Field):
 
 
 class Cylinder(Field):
-    """A solid cylinder along z, centered at its origin.
+    """A solid cylinder of a given whole length along z, centered at its origin.
+
+    It reaches from ``z = -length / 2`` to ``z = length / 2``. A box, in contrast, takes half of its
+    edge lengths.
 
     Args:
         radius: Meters.
-        length: Along z, meters.
-    length: Length along z, meters.
+        length: Whole length along z, meters.
 
     Raises:
         SettingsError: ``radius`` or ``length`` is not above 0.

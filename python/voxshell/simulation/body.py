@@ -146,7 +146,7 @@ class Body(BodyProperties):
     @position.setter
     def position(self, value: ArrayLike) -> None:
         pose = self._simulation.pose(self.number).copy()
-        pose[:3, 3] = as_vector(value, "position")
+        pose[:3, 3] = as_vector(value, "position", " in meters")
         self.pose = pose
 
     @property
@@ -188,7 +188,7 @@ class Body(BodyProperties):
 
     @linear_velocity.setter
     def linear_velocity(self, value: ArrayLike) -> None:
-        velocity = as_vector(value, "linear_velocity")
+        velocity = as_vector(value, "linear_velocity", " in m/s")
         self._moved_by_forces("linear_velocity").set_linear_velocity(self.number, velocity)
 
     @property
@@ -202,7 +202,7 @@ class Body(BodyProperties):
 
     @angular_velocity.setter
     def angular_velocity(self, value: ArrayLike) -> None:
-        velocity = as_vector(value, "angular_velocity")
+        velocity = as_vector(value, "angular_velocity", " in rad/s")
         self._moved_by_forces("angular_velocity").set_angular_velocity(self.number, velocity)
 
     def velocity_at(self, point: ArrayLike) -> NDArray[np.float64]:
@@ -225,7 +225,7 @@ class Body(BodyProperties):
             >>> wheel.velocity_at((0.5, 0, 0)).round(9) + 0.0
             array([0., 1., 0.])
         """
-        place = as_vector(point, "point")
+        place = as_vector(point, "point", " in meters")
         pose = self._simulation.pose(self.number)
         center = pose[:3, :3] @ self._center + pose[:3, 3]
         turning = np.cross(self._simulation.angular_velocity(self.number), place - center)
@@ -277,7 +277,7 @@ class Body(BodyProperties):
             True
         """
         self._moved_by_forces("a force").apply_force(
-            self.number, as_vector(force, "force"), _as_place(at)
+            self.number, as_vector(force, "force", " in newtons"), _as_place(at)
         )
 
     def apply_torque(self, torque: ArrayLike) -> None:
@@ -289,7 +289,9 @@ class Body(BodyProperties):
         Raises:
             SettingsError: The body is not dynamic, or ``torque`` is not three finite numbers.
         """
-        self._moved_by_forces("a torque").apply_torque(self.number, as_vector(torque, "torque"))
+        self._moved_by_forces("a torque").apply_torque(
+            self.number, as_vector(torque, "torque", " in newton meters")
+        )
 
     def apply_impulse(
         self,
@@ -314,7 +316,7 @@ class Body(BodyProperties):
             (array([0.5, 0. , 0. ]), array([ 0. , 12.5,  0. ]))
         """
         self._moved_by_forces("an impulse").apply_impulse(
-            self.number, as_vector(impulse, "impulse"), _as_place(at)
+            self.number, as_vector(impulse, "impulse", " in newton seconds"), _as_place(at)
         )
 
     def apply_torque_impulse(self, impulse: ArrayLike) -> None:
@@ -327,7 +329,7 @@ class Body(BodyProperties):
             SettingsError: The body is not dynamic, or ``impulse`` is not three finite numbers.
         """
         self._moved_by_forces("an impulse").apply_torque_impulse(
-            self.number, as_vector(impulse, "impulse")
+            self.number, as_vector(impulse, "impulse", " in newton meter seconds")
         )
 
     def _moved_by_forces(self, what: str) -> _bullet.Simulation:
@@ -349,4 +351,4 @@ class Body(BodyProperties):
 
 
 def _as_place(at: ArrayLike | None) -> tuple[float, float, float] | None:
-    return None if at is None else as_vector(at, "at")
+    return None if at is None else as_vector(at, "at", " in meters")

@@ -190,7 +190,7 @@ class BodyProperties(WorldPart):
 
     @surface_velocity.setter
     def surface_velocity(self, value: ArrayLike) -> None:
-        velocity = as_vector(value, "surface_velocity")
+        velocity = as_vector(value, "surface_velocity", " in m/s")
         if any(velocity):
             check_surface(self.motion, repr(self.name), self._moves_surfaces)
         self._set(surface_velocity=velocity)
@@ -253,7 +253,7 @@ def make_properties(
         setattr(properties, name, value)
     properties.linear_damping = as_fraction(linear_damping, "linear_damping")
     properties.angular_damping = as_fraction(angular_damping, "angular_damping")
-    properties.surface_velocity = as_vector(surface_velocity, "surface_velocity")
+    properties.surface_velocity = as_vector(surface_velocity, "surface_velocity", " in m/s")
     properties.group = as_groups(group, "group")
     properties.mask = as_groups(mask, "mask")
     return properties

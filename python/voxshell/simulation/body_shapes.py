@@ -205,7 +205,7 @@ def _scale(matter: MassProperties, mass: float) -> MassProperties:
         SettingsError: No body has them.
     """
     ratio = mass / as_positive(matter.mass, "inertia.mass")
-    center = np.array(as_vector(matter.center_of_mass, "inertia.center_of_mass"))
+    center = np.array(as_vector(matter.center_of_mass, "inertia.center_of_mass", " in meters"))
     tensor = as_floats(matter.inertia, "inertia.inertia", (3, 3))
     with np.errstate(all="ignore"):
         skew = np.abs(tensor - tensor.T).max() / np.abs(tensor).max()

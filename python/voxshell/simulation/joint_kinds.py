@@ -139,7 +139,10 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
     if not np.any(as_vector(joint.axis, "axis")):
         raise SettingsError("axis must not be zero")
     if joint.limits is not None:
-        lower, upper = as_floats(joint.limits, "limits", (2,)).tolist()
+        unit = "radians" if isinstance(joint, HingeJoint) else "meters"
+        lower, upper = as_floats(
+            joint.limits, "limits", (2,), meaning=f", the lowest and highest position in {unit}"
+        ).tolist()
         if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
             raise SettingsError(
                 f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "

@@ -160,18 +160,19 @@ class World(ViewedWorld):
             raise SettingsError("level is for segmented contacts; leave it out or change contact")
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
-        check_fall(as_vector(gravity, "gravity"), self.time_step)
+        acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
+        check_fall(acceleration, self.time_step)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
-        self._gravity = np.array(as_vector(gravity, "gravity"))
+        self._gravity = np.array(acceleration)
         self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
         self._view = None
         # Weak references: a recorder that nobody else refers to stops recording.
         self._recorders: list[weakref.ref[Recorder]] = []
         simulation = _bullet.Simulation(
-            gravity=as_vector(gravity, "gravity"),
+            gravity=acceleration,
             time_step=self.time_step,
             sleeping=as_flag(sleeping, "sleeping"),
             split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),

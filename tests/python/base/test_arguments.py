@@ -70,10 +70,15 @@ def test_arrays_have_the_shape_that_is_named():
     assert array.dtype == np.float64
     assert array.flags.c_contiguous
     for value, told in (
-        ([1, 2, 3], r"not \(3,\) int64"),
-        ([[1, 2]], r"not \(1, 2\) int64"),
-        ([["a", "b", "c"]], r"not \(1, 3\) <U1"),
-        ([[1, 2, 3], [1]], "inhomogeneous"),
+        (0.1, "not 0.1$"),
+        ("a", "not 'a'$"),
+        (None, "not None$"),
+        ([1, 2, 3], r"not \[1, 2, 3\]$"),
+        ([[1, 2]], r"not an array of shape \(1, 2\) and type int64$"),
+        ([["a", "b", "c"]], r"not an array of shape \(1, 3\) and type <U1$"),
+        (np.array([1, 2], object), r"not an array of shape \(2,\) and type object$"),
+        (np.zeros(100), r"not an array of shape \(100,\) and type float64$"),
+        ([[1, 2, 3], [1]], r"not \[\[1, 2, 3\], \[1\]\] \(.*inhomogeneous"),
     ):
         with pytest.raises(vx.SettingsError, match=rf"^points must be \(n, 3\) numbers.*{told}"):
             arguments.as_points(value, "points")
@@ -86,9 +91,20 @@ def test_vectors_are_three_finite_numbers():
     with pytest.raises(vx.SettingsError, match=r"^axis must be finite, not "):
         arguments.as_vector((0, math.nan, 1), "axis")
     with pytest.raises(
-        vx.SettingsError, match=r"^axis must be three numbers, such as \(0, 0, 1\), not \(2,\)"
+        vx.SettingsError, match=r"^axis must be three numbers, such as \(0, 0, 1\), not \[0, 1\]$"
     ):
         arguments.as_vector((0, 1), "axis")
+
+
+def test_vectors_are_wanted_in_words_with_their_unit():
+    """A number where a vector belongs was called "() float64"."""
+    with pytest.raises(
+        vx.SettingsError, match=r"^force must be three numbers in newtons, not 9.81$"
+    ):
+        arguments.as_vector(9.81, "force", " in newtons")
+    for count, word in ((2, "two"), (4, "four"), (12, r"\(12,\)")):
+        with pytest.raises(vx.SettingsError, match=f"^it must be {word} numbers, not 1$"):
+            arguments.as_floats(1, "it", (count,))
 
 
 def test_paths_are_names_of_files():

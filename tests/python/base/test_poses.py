@@ -88,7 +88,7 @@ def test_rotations_a_little_off_become_the_nearest():
         (vx.pose((1, 2, 3)).T, "pass its transpose"),
         ((0, 0, 0, 0, 0, 0, 2), "has length 2 instead of 1"),
         ((0, 0, math.nan), "not finite"),
-        (np.eye(3), "not \\(3, 3\\) float64; for a rotation"),
+        (np.eye(3), "not an array of shape \\(3, 3\\) and type float64; for a rotation"),
     ],
 )
 def test_what_is_no_pose_is_refused(box: vx.Model, pose, message):

@@ -111,12 +111,12 @@ def test_points_of_any_layout_and_type_are_taken(ball: vx.Model, method: str):
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        ([0.0, 0.0, 0.0], r"\(n, 3\) numbers, not \(3,\)"),
-        ([[0.0, 0.0]], r"not \(1, 2\)"),
-        (np.zeros((2, 2, 3)), r"not \(2, 2, 3\)"),
-        (0.0, r"not \(\)"),
-        (None, "object"),
-        ("points", "<U6"),
+        ([0.0, 0.0, 0.0], r"\(n, 3\) numbers, not \[0.0, 0.0, 0.0\]$"),
+        ([[0.0, 0.0]], r"of shape \(1, 2\)"),
+        (np.zeros((2, 2, 3)), r"of shape \(2, 2, 3\)"),
+        (0.0, "not 0.0$"),
+        (None, "not None$"),
+        ("points", "not 'points'$"),
         ([[0, 0, "a"]], "<U"),
         ([[0, 0, 1j]], "complex"),
         ([[0, 0, 0], [0, np.nan, 0]], "row 1 of 2"),

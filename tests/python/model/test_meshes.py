@@ -85,14 +85,18 @@ def test_what_is_not_a_mesh_is_refused(mesh, message: str):
 @pytest.mark.parametrize(
     ("vertices", "message"),
     [
-        (VERTICES[:, :2], r"vertices must be \(n, 3\) numbers, not \(4, 2\) float64"),
-        (VERTICES.ravel(), r"not \(12,\)"),
-        (VERTICES[None], r"not \(1, 4, 3\)"),
+        (
+            VERTICES[:, :2],
+            r"vertices must be \(n, 3\) numbers, not an array of shape \(4, 2\) and type float64",
+        ),
+        (VERTICES.ravel(), r"of shape \(12,\)"),
+        (VERTICES[None], r"of shape \(1, 4, 3\)"),
         (VERTICES.astype(complex), "complex128"),
         (VERTICES.astype(str), "<U"),
         (VERTICES.astype(object), "object"),
         (VERTICES > 0, "bool"),
-        (None, "object"),
+        (None, "vertices must be .* not None$"),
+        (0.5, "vertices must be .* not 0.5$"),
         ([[0, 0, 0], [1]], "inhomogeneous"),
         (np.where(VERTICES == 1, np.nan, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
         (np.where(VERTICES == 1, np.inf, VERTICES), "3 of 4 vertices .*finite .*vertex 1.; remove"),
@@ -108,10 +112,13 @@ def test_wrong_vertices_are_refused(vertices, message: str):
 @pytest.mark.parametrize(
     ("faces", "message"),
     [
-        (FACES[:, :2], r"faces must be \(m, 3\) integers, not \(4, 2\)"),
-        (np.hstack([FACES, FACES[:, :1]]), r"not \(4, 4\); split quadrilaterals into triangles"),
-        (FACES.ravel(), r"not \(12,\)"),
-        (None, r"not \(\)"),
+        (FACES[:, :2], r"faces must be \(m, 3\) integers, not an array of shape \(4, 2\)"),
+        (
+            np.hstack([FACES, FACES[:, :1]]),
+            r"shape \(4, 4\) and type int64; split quadrilaterals into triangles",
+        ),
+        (FACES.ravel(), r"of shape \(12,\)"),
+        (None, "not None$"),
         ([[0, 1, 2], [3]], "inhomogeneous"),
         (FACES.astype(str), "<U"),
         (FACES.astype(complex), "complex"),

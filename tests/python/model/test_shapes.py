@@ -123,6 +123,19 @@ def test_a_wrong_radius_is_refused(radius):
             shape(radius, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("half_extents", "given"),
+    [(0.1, "0.1"), ((0.1, 0.2), r"\[0.1, 0.2\]"), (None, "None"), ("1", "'1'")],
+)
+def test_half_extents_of_a_wrong_shape_are_refused_in_words(half_extents, given: str):
+    """The message for a number was "not () float64"."""
+    wanted = (
+        "half_extents must be three numbers in meters, half of the edge lengths along x, y and z"
+    )
+    with pytest.raises(vx.SettingsError, match=f"^{wanted}, not {given}$"):
+        vx.Box(half_extents)
+
+
 @pytest.mark.parametrize("length", WRONG_LENGTHS)
 def test_a_wrong_length_or_height_is_refused(length):
     for shape in (vx.Capsule, vx.Cylinder):

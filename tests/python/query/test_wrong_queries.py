@@ -21,10 +21,15 @@ PROJECTIVE = np.eye(4) + np.eye(4, k=-1) * [[0], [0], [0], [1]]
 @pytest.mark.parametrize(
     ("pose", "message"),
     [
-        (np.eye(3), r"\(4, 4\) matrix, .*not \(3, 3\) float64; for a rotation"),
-        (np.eye(4).ravel(), r"not \(16,\)"),
-        (np.eye(4)[None], r"not \(1, 4, 4\)"),
-        ("pose", r"not \(\) <U4"),
+        (
+            np.eye(3),
+            r"\(4, 4\) matrix, .*not an array of shape \(3, 3\) and type float64; for a rotation",
+        ),
+        (np.eye(4).ravel(), r"of shape \(16,\) .*reshape"),
+        (np.eye(4)[None], r"of shape \(1, 4, 4\)"),
+        ("pose", "not 'pose'$"),
+        (0.5, "not 0.5$"),
+        ((1.5, 2.5), r"not \[1.5, 2.5\]$"),
         ([["1"] * 4] * 4, "not"),
         ([[1, 2], [3]], "inhomogeneous"),
         (np.eye(4, dtype=complex), "complex"),
