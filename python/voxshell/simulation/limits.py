@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
 
 _LEAST_MASS = 1e-100  # kg; the inverse of a much smaller mass is not finite
+_LONGEST_STEP = 1.0  # seconds; a longer time step is nearly always a number of steps a second
 
 
 def check_mass(kilograms: float, label: str) -> None:
@@ -58,14 +59,26 @@ def check_extent(low_and_high: ArrayLike, label: str) -> None:
         )
 
 
-def check_fall(gravity: ArrayLike, time_step: float) -> None:
-    """Refuse gravity that moves bodies too far in their first step.
+def check_time_step(time_step: float, gravity: ArrayLike) -> None:
+    """Refuse a time step in which gravity moves bodies too far, and warn of one above a second.
 
     Raises:
         SettingsError: Bullet would not move the bodies.
     """
     way = float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
-    if not way <= _bullet.most_way:
+    is_too_far = not way <= _bullet.most_way
+    if time_step > _LONGEST_STEP:
+        advice = f"use a shorter time_step: for {time_step:g} steps a second, pass time_step=1/{time_step:g}"
+        if is_too_far:
+            raise SettingsError(
+                f"time_step is {time_step:g} s, in which gravity moves bodies by {way:.3g} m; Bullet can "
+                f"follow at most {_bullet.most_way:g} m; {advice}"
+            )
+        warn_user(
+            f"time_step is {time_step:g} s, too long for anything but free motion; {advice}",
+            AccuracyWarning,
+        )
+    if is_too_far:
         raise SettingsError(
             f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s; Bullet can follow "
             f"at most {_bullet.most_way:g} m; use a shorter time_step or weaker gravity"

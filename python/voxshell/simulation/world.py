@@ -22,7 +22,7 @@ from voxshell.base.arguments import (
     is_infinite,
 )
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.simulation.limits import check_fall, check_motions
+from voxshell.simulation.limits import check_motions, check_time_step
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
 from voxshell.simulation.world_view import ViewedWorld
@@ -66,7 +66,7 @@ class World(ViewedWorld):
 
     Args:
         gravity: (3,), m/s2, world frame.
-        time_step: Seconds per step.
+        time_step: Seconds per step: 1/200 for 200 steps a second.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
             those that span the largest area, at most four. "segmented": the deepest of each cluster
             of the point-sphere tree at ``level``, or up to four of each if a body rests on few.
@@ -110,10 +110,11 @@ class World(ViewedWorld):
         SettingsError: A setting is out of range.
 
     Warns:
-        AccuracyWarning: A pair of models may miss contacts that are deep compared with the smaller
-            model's thickness; warned at the first step with the pair. Or a body turns by more than
-            an eighth of a turn in a step, or moves so far in a step that Bullet stops simulating
-            it; warned once per body.
+        AccuracyWarning: ``time_step`` is above 1 s, which is nearly always a rate. Or a pair of
+            models may miss contacts that are deep compared with the smaller model's thickness;
+            warned at the first step with the pair. Or a body turns by more than an eighth of a turn
+            in a step, or moves so far in a step that Bullet stops simulating it; warned once per
+            body.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
@@ -161,7 +162,7 @@ class World(ViewedWorld):
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
         acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
-        check_fall(acceleration, self.time_step)
+        check_time_step(self.time_step, acceleration)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
