@@ -35,10 +35,35 @@ TIMINGS_DTYPE = np.dtype(
     [(name, np.float64) for name in ("step", "narrow_phase", "query", "reduction", "manifold")]
 )
 
+_A_AND_B_EXCHANGED = np.array((1, 0, 2, 6, 7, 8, 3, 4, 5, 9, 10, 11, 12, 13))
+"""Columns of a contact's row with the bodies, and the points on them, exchanged."""
+_NORMAL = slice(9, 12)
+
 
 def as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
     """Return (n,) of CONTACT_DTYPE from (n, 14)."""
     return _as_table(rows, CONTACT_DTYPE)
+
+
+def take_contacts(
+    rows: NDArray[np.float64], body: int, other: int | None = None
+) -> NDArray[np.float64]:
+    """Return the rows, (n, 14), of one body's contacts, turned so that it is body a.
+
+    Args:
+        rows: (n, 14), as for :func:`as_contacts`.
+        body: Number of the body.
+        other: Number of the other body; None for any.
+    """
+    is_a, is_b = rows[:, 0] == body, rows[:, 1] == body
+    if other is not None:
+        is_a &= rows[:, 1] == other
+        is_b &= rows[:, 0] == other
+    taken = rows[is_a | is_b]
+    turned = taken[:, 0] != body
+    taken[turned] = taken[turned][:, _A_AND_B_EXCHANGED]
+    taken[turned, _NORMAL] = 0.0 - taken[turned, _NORMAL]  # without negative zeros
+    return taken
 
 
 def as_hits(rows: NDArray[np.float64]) -> NDArray[np.void]:

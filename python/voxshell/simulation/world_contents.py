@@ -359,11 +359,14 @@ class WorldContents:
             >>> bool(stone.pose[2, 3] < -4.0)
             True
         """
+        self._check_two(a, b)
+        self._simulation.set_collision(a.number, b.number, as_flag(collide, "collide"))
+
+    def _check_two(self, a: Body, b: Body) -> None:
         self._check_own(a, "a")
         self._check_own(b, "b")
         if a is b:
             raise SettingsError(f"a and b are both {a.name!r}")
-        self._simulation.set_collision(a.number, b.number, as_flag(collide, "collide"))
 
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):

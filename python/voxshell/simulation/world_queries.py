@@ -11,7 +11,7 @@ from voxshell.base.arguments import as_not_negative, as_points
 from voxshell.errors import SettingsError
 from voxshell.model.shapes import Plane
 from voxshell.simulation.comparison_shapes import GImpact
-from voxshell.simulation.tables import as_contacts, as_hits, as_timings
+from voxshell.simulation.tables import as_contacts, as_hits, as_timings, take_contacts
 from voxshell.simulation.world_contents import WorldContents
 
 if TYPE_CHECKING:
@@ -78,12 +78,12 @@ class WorldQueries(WorldContents):
 
         Returns:
             An array like that of :meth:`contacts`, with up to four points for each pair of parts;
-            ``impulse`` is 0.
+            ``body_a`` is the body ``a``, and ``impulse`` is 0.
 
         Raises:
             InputTypeError: ``a`` or ``b`` is not a body.
-            SettingsError: One belongs to another world or has been removed; ``margin`` is below 0;
-                or one is a :class:`GImpact` and the other a GImpact or a plane, a pair that Bullet
+            SettingsError: One belongs to another world or has been removed; both are the same;
+                ``margin`` is below 0; or one is a :class:`GImpact` and the other a GImpact or a plane, a pair that Bullet
                 cannot query.
 
         Example:
@@ -102,12 +102,13 @@ class WorldQueries(WorldContents):
         self._check_own(a, "a")
         reach = as_not_negative(margin, "margin")
         if b is not None:
-            self._check_own(b, "b")
+            self._check_two(a, b)
         others = [b] if b is not None else [body for body in self.bodies if body is not a]
         for other in others:
             _refuse_unanswered(a, other)
         rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
-        return as_contacts(np.concatenate(rows) if rows else np.empty((0, 14)))
+        found = np.concatenate(rows) if rows else np.empty((0, 14))
+        return as_contacts(take_contacts(found, a.number))
 
     def overlaps(self, a: Body, b: Body) -> bool:
         """Return whether two bodies touch or overlap in their present poses.
@@ -125,8 +126,13 @@ class WorldQueries(WorldContents):
         """
         return len(self.query_contacts(a, b)) > 0
 
-    def contacts(self) -> NDArray[np.void]:
+    def contacts(self, a: Body | None = None, b: Body | None = None) -> NDArray[np.void]:
         """Return the contact points of the last step, as Bullet's solver used them.
+
+        Args:
+            a: A body. Only its contacts are returned, and it is ``body_a`` in all of them, so that
+                normals point toward it. None: all contacts, in which either body may be ``body_a``.
+            b: Another body. Only contacts of ``a`` with it are returned.
 
         Returns:
             (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the
@@ -134,6 +140,11 @@ class WorldQueries(WorldContents):
             the normal on body b and toward body a), ``depth`` (meters, positive where the bodies
             overlap) and ``impulse`` (normal impulse of the last step, N s). The normal force on body
             a is ``impulse / world.time_step * normal``, newtons, and on body b the opposite.
+
+        Raises:
+            InputTypeError: ``a`` or ``b`` is not a body.
+            SettingsError: One belongs to another world or has been removed, both are the same, or
+                ``b`` is given without ``a``.
 
         Example:
             >>> import voxshell as vx
@@ -143,8 +154,19 @@ class WorldQueries(WorldContents):
             >>> world.step(100)
             >>> round(float(world.contacts()["impulse"].sum() / world.time_step), 2)  # newtons
             19.62
+            >>> push = world.contacts(ground)  # the ground is body a: the ball pushes it down
+            >>> push["normal"][0] + 0.0
+            array([ 0.,  0., -1.])
         """
-        return as_contacts(self._simulation.contacts())
+        if a is None:
+            if b is not None:
+                raise SettingsError("b is given without a: pass a body alone as a")
+            return as_contacts(self._simulation.contacts())
+        self._check_own(a, "a")
+        if b is not None:
+            self._check_two(a, b)
+        other = None if b is None else b.number
+        return as_contacts(take_contacts(self._simulation.contacts(), a.number, other))
 
     @property
     def timings(self) -> NDArray[np.void]:

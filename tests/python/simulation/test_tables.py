@@ -1,7 +1,13 @@
 from __future__ import annotations
 
 import numpy as np
-from voxshell.simulation.tables import as_contacts, as_hits, as_timings, compute_forces
+from voxshell.simulation.tables import (
+    as_contacts,
+    as_hits,
+    as_timings,
+    compute_forces,
+    take_contacts,
+)
 
 
 def test_contacts_take_their_columns_in_order():
@@ -19,6 +25,23 @@ def test_contacts_take_their_columns_in_order():
         26.0,
         27.0,
     ]
+
+
+def test_contacts_of_a_body_are_turned_so_that_it_is_body_a():
+    rows = np.arange(56.0).reshape(4, 14)
+    rows[:, :2] = (1, 2), (3, 1), (2, 3), (2, 1)
+    given = rows.copy()
+    table = as_contacts(take_contacts(rows, 1))
+    np.testing.assert_array_equal(rows, given)
+    assert table["body_a"].tolist() == [1, 1, 1]
+    assert table["body_b"].tolist() == [2, 3, 2]
+    assert table["id"].tolist() == [2, 16, 44]
+    assert table["point_a"][:, 0].tolist() == [3.0, 20.0, 48.0]
+    assert table["point_b"][:, 0].tolist() == [6.0, 17.0, 45.0]
+    assert table["normal"][:, 2].tolist() == [11.0, -25.0, -53.0]
+    assert table["depth"].tolist() == [12.0, 26.0, 54.0]
+    assert as_contacts(take_contacts(rows, 1, 2))["impulse"].tolist() == [13.0, 55.0]
+    assert len(take_contacts(rows, 4)) == len(take_contacts(np.empty((0, 14)), 1)) == 0
 
 
 def test_forces_act_on_the_dynamic_body_and_on_body_a_if_both_are():

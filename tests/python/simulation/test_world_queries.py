@@ -146,6 +146,51 @@ def test_query_finds_what_is_kept_apart(ring):
     assert len(world.contacts()) == 0
 
 
+def test_contacts_of_a_body_are_those_of_the_world_with_it_as_body_a():
+    world = vx.World()
+    ground = world.add(vx.Plane(), mass=0)
+    boxes = [world.add(vx.Box((0.1, 0.1, 0.1)), pose=at(z=0.1 + 0.2 * i)) for i in range(3)]
+    apart = world.add(vx.Sphere(0.1), pose=at(x=2.0, z=0.1))
+    in_the_air = world.add(vx.Sphere(0.1), pose=at(z=30.0))
+    world.step(100)
+    everything = world.contacts()
+    weight = 9.81
+    loads = {ground: -4 * weight, boxes[0]: weight, boxes[1]: weight, apart: weight}
+    for body, load in loads.items():
+        own = world.contacts(body)
+        of_it = (everything["body_a"] == body.number) | (everything["body_b"] == body.number)
+        assert len(own) == of_it.sum() > 0
+        assert (own["body_a"] == body.number).all()
+        np.testing.assert_array_equal(own["impulse"], everything["impulse"][of_it])
+        force = own["impulse"] / world.time_step @ own["normal"]
+        np.testing.assert_allclose(force, (0, 0, load), atol=0.05)
+        np.testing.assert_allclose(
+            own["point_a"] - own["point_b"], -own["depth"][:, None] * own["normal"], atol=1e-5
+        )
+    between = world.contacts(boxes[0], boxes[1])
+    assert set(between["body_b"]) == {boxes[1].number}
+    assert (between["normal"][:, 2] < -0.99).all()
+    back = world.contacts(boxes[1], boxes[0])
+    np.testing.assert_array_equal(back["normal"], -between["normal"])
+    np.testing.assert_array_equal(back["point_a"], between["point_b"])
+    assert len(world.contacts(in_the_air)) == len(world.contacts(ground, boxes[1])) == 0
+    assert world.contacts(in_the_air).dtype == everything.dtype
+
+
+def test_a_body_that_is_asked_is_body_a(ring):
+    world = vx.World()
+    bodies = [world.add(ring), world.add(vx.Box((0.1, 0.1, 0.1))), world.add(vx.Plane(), mass=0)]
+    for body in bodies:
+        found = world.query_contacts(body)
+        assert (found["body_a"] == body.number).all()
+        assert set(found["body_b"]) == {it.number for it in bodies if it is not body}
+        np.testing.assert_allclose(
+            found["point_a"] - found["point_b"],
+            -found["depth"][:, None] * found["normal"],
+            atol=1e-5,
+        )
+
+
 def test_queries_leave_the_simulation_as_it_is(ring):
     def fall(asks):
         world = vx.World()
@@ -187,6 +232,17 @@ def test_wrong_queries_are_refused(ring):
         world.query_contacts(body, margin=-1.0)
     with pytest.raises(vx.InputTypeError, match="b must be a Body, not Model"):
         world.overlaps(body, ring)
+    with pytest.raises(vx.InputTypeError, match="a must be a Body, not int"):
+        world.contacts(body.number)
+    with pytest.raises(vx.SettingsError, match="b is given without a"):
+        world.contacts(b=body)
+    for ask in (world.contacts, world.query_contacts, world.overlaps):
+        # Bullet found contacts of a body with itself.
+        with pytest.raises(vx.SettingsError, match="a and b are both 'body 0'"):
+            ask(body, body)
+    world.remove(body)
+    with pytest.raises(vx.SettingsError, match="'body 0' has been removed"):
+        world.contacts(body)
 
 
 CUBE = trimesh.creation.box(extents=(0.2, 0.2, 0.2))
