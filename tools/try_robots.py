@@ -93,7 +93,8 @@ print(robot.links["hand"].pose[:3, 3].round(3))  # [0.565 0.    0.476]
 print(robot.joints["elbow"].reaction.torque.round(2))  # what holds the lower arm, newton meters
 ```
 
-All joints begin at position 0. They move freely until you drive them. The root link is fixed to the world, unless you pass
+All joints begin at position 0, or where you tell them to, as in `vx.load_urdf(world, path, positions={{"elbow": -0.5}})`, in
+radians or meters. They move freely until you drive them. The root link is fixed to the world, unless you pass
 `fixed_base=False`. `vx.load_urdf` returns a `Robot`:
 
 | what | contents |
@@ -157,7 +158,7 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | body | a link with the same name. A body without joints is rigidly part of the body that contains it, or static in `<worldbody>` |
 | body with several joints | a chain of links: the joint `hip_x` moves the link `torso/hip_x`. Each link between two joints gets a tenth of the body's matter |
 | `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss and `actuatorfrcrange` |
-| positions | `qpos` of MuJoCo. A joint whose `ref` is beyond its range begins at the nearest limit |
+| positions | `qpos` of MuJoCo. `vx.load_mjcf(world, path, positions={{"shoulder": 0.3}})` sets those at the start. A joint whose `ref` is beyond its range begins at the nearest limit |
 | mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
 | box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
 | `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may collide, their bodies do. Bodies of one tree that overlap at the start by more than 2 % of the smaller one do not collide; a warning names them. Bodies that your program adds collide with all |

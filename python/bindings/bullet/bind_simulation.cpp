@@ -204,6 +204,7 @@ void bind_simulation(nb::module_& module) {
       .def("remove_body", &Simulation::remove_body)
       .def("add_joint", &Simulation::add_joint)
       .def("remove_joint", &Simulation::remove_joint)
+      .def("count_joint_turns_from", &Simulation::count_joint_turns_from)
       .def("read_joint", &Simulation::read_joint)
       .def("joint_reaction",
            [](const Simulation& s, std::size_t i) {

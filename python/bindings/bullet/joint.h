@@ -79,6 +79,11 @@ class Joint {
   void prepare_step(double time_step, const JointReading& leader);
   /// Counts turns.
   void finish_step() { position_ = unwrap(); }
+  /// Counts turns such that the present position is the nearest to this one.
+  void count_turns_from(double position) {
+    position_ = position;
+    finish_step();
+  }
 
   /// What it knows of the last step.
   struct LastStep {

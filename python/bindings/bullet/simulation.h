@@ -132,6 +132,9 @@ class Simulation {
   /// Adds a joint and returns its number, which is never reused.
   std::size_t add_joint(const JointSettings& settings);
   void remove_joint(std::size_t joint);
+  void count_joint_turns_from(std::size_t joint, double position) {
+    joints_[joint].count_turns_from(position);
+  }
   JointReading read_joint(std::size_t joint) const { return joints_[joint].read(); }
   JointReaction joint_reaction(std::size_t joint) const { return joints_[joint].reaction(); }
   const Motor& motor(std::size_t joint) const { return joints_[joint].motor; }

@@ -176,7 +176,7 @@ class Assembly:
         parent_from_joint = joint.parent_from_child @ joint.child_from_joint
         if joint.position != 0.0:
             parent_from_joint = parent_from_joint @ _move(joint, -joint.position)
-        return world.add_joint(
+        made = world.add_joint(
             kind,
             parent.body,
             child.body,
@@ -185,6 +185,9 @@ class Assembly:
             collide=self._joints_collide,
             name=f"{self._robot.name}/{joint.name}",
         )
+        if isinstance(kind, HingeJoint):
+            made._count_turns_from(joint.start)
+        return made
 
     def _let_follow(self, joints: dict[str, Joint]) -> None:
         by_name = {joint.name: joint for joint in self._robot.joints}

@@ -142,7 +142,7 @@ class Robot:
             SettingsError: There is no such joint, it mimics another, the position is beyond its
                 limits, or neither the file nor ``max_force`` states its effort.
         """
-        _check_targets(positions, "positions")
+        check_names(positions, "positions")
         for name, position in positions.items():
             joint = self._driven(name)
             joint.set_target_position(
@@ -164,7 +164,7 @@ class Robot:
             InputTypeError: ``velocities`` does not map names to numbers.
             SettingsError: As for :meth:`set_targets`.
         """
-        _check_targets(velocities, "velocities")
+        check_names(velocities, "velocities")
         for name, velocity in velocities.items():
             self._driven(name).set_target_velocity(velocity, max_force=self._force(name, max_force))
 
@@ -206,7 +206,12 @@ class Robot:
         return f"Robot({self.name!r}, {links} link{'' if links == 1 else 's'}, {joints})"
 
 
-def _check_targets(targets: Mapping[str, float], name: str) -> None:
+def check_names(targets: Mapping[str, float], name: str) -> None:
+    """Refuse an argument that does not map the names of joints to numbers.
+
+    Raises:
+        InputTypeError: It does not.
+    """
     if not isinstance(targets, Mapping):
         raise InputTypeError(
             f"{name} must map the names of joints to numbers, as in {{'elbow': 0.5}}, not "

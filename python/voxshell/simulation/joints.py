@@ -216,6 +216,10 @@ class Joint(WorldPart):
         """Turn the motor off."""
         self._drive(_bullet.Motor(_bullet.MotorMode.NONE, 0.0, 0.0, 0.0))
 
+    def _count_turns_from(self, position: float) -> None:
+        """Count turns such that the present position is the nearest to this one, in radians."""
+        self._along_axis().count_joint_turns_from(self._number, position)
+
     def _drive(self, motor: _bullet.Motor) -> None:
         self._along_axis().set_motor(self._number, motor)
 

@@ -15,9 +15,11 @@ from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
 from voxshell.robots.mjcf.reading import read_mjcf
 from voxshell.robots.shapes import MeshSettings, Shaper
+from voxshell.robots.starts import as_starts, begin_at
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     from numpy.typing import ArrayLike
 
@@ -35,6 +37,7 @@ def load_mjcf(
     mesh_as: Literal["model", "hull"] = "model",
     friction: float | None = None,
     self_collision: bool = True,
+    positions: Mapping[str, float] | None = None,
 ) -> Robot:
     """Add the bodies of an MJCF file, the XML format of MuJoCo, to a world.
 
@@ -46,7 +49,7 @@ def load_mjcf(
     "torso/hip_x", and the last joint moves "torso". Each link in between gets a tenth of the body's
     mass, such that masses, centers and inertias are MuJoCo's.
 
-    Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``; those whose ``ref`` is beyond
+    Positions of joints are MuJoCo's ``qpos``, and all begin as in ``qpos0``, unless ``positions`` says otherwise; those whose ``ref`` is beyond
     their limits begin at the nearest limit, with a :class:`RobotWarning`. Bodies have the largest friction of
     their geoms; note that Bullet multiplies the frictions of two bodies, and MuJoCo takes the larger. A body whose
     contacts are all without friction (``condim="1"``) has friction 0, if it is static or meets another tree.
@@ -69,6 +72,8 @@ def load_mjcf(
         friction: Coulomb's coefficient of all bodies, instead of the file's.
         self_collision: Let the bodies of one tree collide with each other, as the file specifies.
             Those of different trees can always collide.
+        positions: Positions at which hinges and slides begin, radians, even if the file states degrees,
+            or meters, by name.
 
     Returns:
         The robot.
@@ -80,10 +85,12 @@ def load_mjcf(
             installed.
         RobotError: The file cannot be simulated; the message names the file, the line, the body or
             geom, and a remedy.
-        SettingsError: A setting is out of range.
+        SettingsError: A setting is out of range. Or ``positions`` names an unknown joint, or is
+            beyond its limits.
         PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is not a world, or ``path`` is not a path.
+        InputTypeError: ``world`` is not a world, or ``path`` is not a path, or
+            ``positions`` does not map names to numbers.
 
     Warns:
         RobotWarning: The file contains something that is not simulated, or lacks a mass. The
@@ -122,9 +129,11 @@ def load_mjcf(
     """
     world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
     as_flag(self_collision, "self_collision")
+    starts = as_starts(positions)
     settings = MeshSettings(voxel_size, resolution, mesh_as)
     model = read_mjcf(path, world.gravity)
     robot, filters = model.robot, model.filters
+    begin_at(robot, starts)
     lump_of = find_lumps(robot)
     lumps = list(dict.fromkeys(lump_of.values()))
     static = {lump_of[root] for root in robot.roots}

@@ -10,10 +10,12 @@ from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
 from voxshell.robots.shapes import MeshSettings, Shaper
+from voxshell.robots.starts import as_starts, begin_at
 from voxshell.robots.urdf.reading import read_urdf
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     from numpy.typing import ArrayLike
 
@@ -32,8 +34,9 @@ def load_urdf(
     mesh_as: Literal["model", "hull"] = "model",
     friction: float = 0.5,
     self_collision: bool = False,
+    positions: Mapping[str, float] | None = None,
 ) -> Robot:
-    """Add the robot of a URDF file to a world, with all joints at position 0.
+    """Add the robot of a URDF file to a world, with all joints at position 0 or those that you give.
 
     Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules
     become analytic shapes. Links that fixed joints hold together become one body, so frames without
@@ -55,6 +58,8 @@ def load_urdf(
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull.
         friction: Coulomb's coefficient of all links.
         self_collision: Let links that no joint connects collide with each other.
+        positions: Positions at which joints begin, radians or meters, by name. The others begin at 0,
+            except that joints which mimic one of these begin where it puts them.
 
     Returns:
         The robot.
@@ -66,10 +71,12 @@ def load_urdf(
             must be computed from a mesh and scipy is not installed.
         RobotError: The file cannot be simulated; the message names the file, the line, the link or
             joint, and a remedy.
-        SettingsError: A setting is out of range.
+        SettingsError: A setting is out of range. Or ``positions`` names an unknown joint, or is
+            beyond its limits.
         PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is not a world, or ``path`` is not a path.
+        InputTypeError: ``world`` is not a world, or ``path`` is not a path, or
+            ``positions`` does not map names to numbers.
 
     Warns:
         RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, or the
@@ -101,9 +108,11 @@ def load_urdf(
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = pathlib.Path(folder, "pendulum.urdf")
         ...     _ = path.write_text(text)
-        ...     robot = vx.load_urdf(world, path)
+        ...     robot = vx.load_urdf(world, path, positions={"pivot": 0.1})
         >>> robot
         Robot('pendulum', 2 links, 1 joint that moves)
+        >>> round(robot.positions["pivot"], 6)
+        0.1
         >>> robot.set_targets({"pivot": 0.5}, max_force=10.0)
         >>> world.step(200)
         >>> round(robot.positions["pivot"], 2)
@@ -112,8 +121,10 @@ def load_urdf(
     world_from_root = check_place(world, pose, friction)
     is_fixed = as_flag(fixed_base, "fixed_base")
     collides_itself = as_flag(self_collision, "self_collision")
+    starts = as_starts(positions)
     settings = MeshSettings(voxel_size, resolution, mesh_as)
     robot = read_urdf(path)
+    begin_at(robot, starts)
     lumps = find_lumps(robot)
     (root,) = robot.roots
     unique = list(dict.fromkeys(lumps.values()))
