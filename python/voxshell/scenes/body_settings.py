@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell.base.arguments import as_not_negative, as_positive, as_real
+from voxshell.base.arguments import as_fraction, as_not_negative, as_positive, as_real
 from voxshell.errors import SettingsError
 from voxshell.scenes.scene_settings import check_vector
+from voxshell.simulation.body_properties import ALL_GROUPS, as_groups
 from voxshell.simulation.material import Material
 from voxshell.simulation.motion import Motion, as_mass_and_motion
 
@@ -53,6 +54,10 @@ class BodySettings:
         quaternion_xyzw: Orientation as a unit quaternion.
         rotation_vector: Alternative to it: axis times angle, radians.
         linear_velocity, angular_velocity: At the start, m/s and rad/s; only of dynamic bodies.
+        surface_velocity: Of a kinematic body, such as a conveyor, m/s, body frame.
+        linear_damping, angular_damping: Fractions of the velocities that are lost in a second.
+        group, mask: Bits of the groups that the body is in, and of those that it collides with, as
+            for :meth:`voxshell.World.add`.
         color: Red, green and blue, 0 to 255, in the replay.
     """
 
@@ -76,6 +81,11 @@ class BodySettings:
     rotation_vector: tuple[float, ...] | None = None
     linear_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
     angular_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    surface_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    linear_damping: float = 0.0
+    angular_damping: float = 0.0
+    group: int = 1
+    mask: int = ALL_GROUPS
     color: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -99,6 +109,13 @@ class BodySettings:
                 raise SettingsError(
                     f"{name} is for dynamic bodies, and this body is not moved by forces"
                 )
+        check_vector(self.surface_velocity, "surface_velocity")
+        if any(self.surface_velocity) and self.motion != "kinematic":
+            raise SettingsError("surface_velocity is for bodies with motion = 'kinematic'")
+        for name in ("linear_damping", "angular_damping"):
+            as_fraction(getattr(self, name), name)
+        for name in ("group", "mask"):
+            as_groups(getattr(self, name), name)
         if self.rotation_vector is not None:
             if self.quaternion_xyzw is not None:
                 raise SettingsError("rotation_vector and quaternion_xyzw cannot both be given")

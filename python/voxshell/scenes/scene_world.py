@@ -77,6 +77,11 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
                 pose=body.pose,
                 inertia=body.inertia,
                 material=body.material,
+                surface_velocity=body.surface_velocity,
+                linear_damping=body.linear_damping,
+                angular_damping=body.angular_damping,
+                group=body.group,
+                mask=body.mask,
                 name=name,
             )
             if body.kilograms > 0.0:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from voxshell.simulation.motion import Motion
 
-_ALL_GROUPS = 2**31 - 1
+ALL_GROUPS = 2**31 - 1
+"""The mask with which a body collides with bodies of every group."""
 
 
 class BodyProperties(WorldPart):
@@ -261,7 +262,7 @@ def make_properties(
 
 def as_groups(value: int, name: str) -> int:
     """Return a mask of up to 31 bits; all of them together stand for every group."""
-    return as_integer(value, name, 0, _ALL_GROUPS)
+    return as_integer(value, name, 0, ALL_GROUPS)
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:

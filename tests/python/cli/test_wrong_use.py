@@ -284,6 +284,26 @@ SCENES = [
         4,
         "joints.j.max_force must be given with a target",
     ),
+    (f"{DOOR}group = -1\n", 4, "bodies.door.group must be at least 0, not -1"),
+    (
+        f"{DOOR}mask = 0x1_0000_0000\n",
+        4,
+        "bodies.door.mask must be from 0 to 2147483647, not 42949",
+    ),
+    (f"{DOOR}\nmask = 0.5\n", 5, "bodies.door.mask must be an integer, not 0.5"),
+    (f"{DOOR}linear_damping = 2\n", 4, "bodies.door.linear_damping must be from 0 to 1, not 2"),
+    (f"{DOOR}angular_damping = -1\n", 4, "bodies.door.angular_damping must be from 0 to 1, not -1"),
+    (f"{DOOR}surface_velocity = [1]\n", 4, "bodies.door.surface_velocity must be 3 finite numbers"),
+    (
+        f'{DOOR}motion = "static"\nsurface_velocity = [1, 0, 0]\n',
+        5,
+        "bodies.door.surface_velocity is for bodies with motion = 'kinematic'",
+    ),
+    (
+        f'[scene]\nsolver = "nncg"\n{DOOR}motion = "kinematic"\nsurface_velocity = [1, 0, 0]\n',
+        3,
+        "bodies.door: surface_velocity needs a world with solver='coulomb'",
+    ),
     ('[bodies.a]\nshape = "plane"\ncolor = [300, 0, 0]\n', 3, "bodies.a.color must be three"),
     (
         '[meshes.m]\nfile = "gone.stl"\n[bodies.a]\nmesh = "m"\n',

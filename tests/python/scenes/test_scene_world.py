@@ -71,6 +71,26 @@ def test_a_motion_is_that_of_the_body(tmp_path: Path, keys: str, motion: str, ma
     assert (ball.position[2] < 0.0) == (motion == "dynamic")
 
 
+def test_groups_and_masks_decide_what_collides(tmp_path: Path):
+    ground = '[bodies.ground]\nshape = "plane"\ngroup = 0b10\n'
+    for keys, stays in (("", True), ("mask = 0b110\n", True), ("mask = 0b101\n", False)):
+        ball = f"{BALL}position = [0, 0, 0.1]\ngroup = 0b100\n{keys}"
+        world = build(tmp_path, ground + ball)
+        floor, body = world.bodies
+        assert (floor.group, floor.mask) == (2, 2**31 - 1)
+        assert body.group == 4
+        world.step(100)
+        assert (body.position[2] > 0.09) == stays
+
+
+def test_damping_and_surface_velocity_are_those_of_the_body(tmp_path: Path):
+    keys = 'motion = "kinematic"\nsurface_velocity = [0.5, 0, 0]\n'
+    [belt] = build(tmp_path, BALL + keys).bodies
+    assert belt.surface_velocity.tolist() == [0.5, 0.0, 0.0]
+    [ball] = build(tmp_path, f"{BALL}linear_damping = 0.25\nangular_damping = 0.5\n").bodies
+    assert (ball.linear_damping, ball.angular_damping) == (0.25, 0.5)
+
+
 def test_a_missing_mesh_is_said_at_its_line(tmp_path: Path):
     message = r"scene\.toml:2: meshes\.part\.file: cannot read .*part\.stl: it does not exist"
     with pytest.raises(vx.SettingsError, match=message):
