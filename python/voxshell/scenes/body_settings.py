@@ -45,7 +45,7 @@ class BodySettings:
         height: Of a cone, meters.
         mass: Kilograms; 0 makes the body static. Planes have no mass.
         motion: What moves the body, as for :meth:`voxshell.World.add`; decided by the mass by
-            default. A kinematic body stands still, because a scene file sets no poses.
+            default. A kinematic body keeps its velocities, whatever it meets.
         inertia: Of the solid, or of a thin skin on the surface.
         friction, rolling_friction, spinning_friction, restitution: As for
             :meth:`voxshell.World.add`; spinning friction has an effect only together with rolling
@@ -53,7 +53,9 @@ class BodySettings:
         position: Of the body's origin, three numbers, meters.
         quaternion_xyzw: Orientation as a unit quaternion.
         rotation_vector: Alternative to it: axis times angle, radians.
-        linear_velocity, angular_velocity: At the start, m/s and rad/s; only of dynamic bodies.
+        linear_velocity, angular_velocity: Of a dynamic body at the start, of a kinematic body
+            throughout; m/s and rad/s, world frame. The linear one is that of the center of mass,
+            and of a kinematic body's origin.
         surface_velocity: Of a kinematic body, such as a conveyor, m/s, body frame.
         linear_damping, angular_damping: Fractions of the velocities that are lost in a second.
         group, mask: Bits of the groups that the body is in, and of those that it collides with, as
@@ -105,9 +107,10 @@ class BodySettings:
         _ = self.material  # checks its numbers
         for name in ("position", "linear_velocity", "angular_velocity"):
             check_vector(getattr(self, name), name)
-            if name != "position" and self.kilograms == 0.0 and any(getattr(self, name)):
+            is_still = self.kilograms == 0.0 and self.motion != "kinematic"
+            if name != "position" and is_still and any(getattr(self, name)):
                 raise SettingsError(
-                    f"{name} is for dynamic bodies, and this body is not moved by forces"
+                    f"{name} is for dynamic and kinematic bodies, and this body is static"
                 )
         check_vector(self.surface_velocity, "surface_velocity")
         if any(self.surface_velocity) and self.motion != "kinematic":
@@ -137,6 +140,11 @@ class BodySettings:
         if mass is None:
             mass = 0.0 if self.shape == "plane" else 1.0
         return as_mass_and_motion(mass, self.motion)[0]
+
+    @property
+    def moves_by_itself(self) -> bool:
+        """True if the body has a velocity at the start."""
+        return any(self.linear_velocity) or any(self.angular_velocity)
 
     @property
     def material(self) -> Material:

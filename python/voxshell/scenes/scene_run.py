@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.recording import BodyTrack, ContactTrack, Recording
+from voxshell.scenes.kinematic_motion import make_mover
 from voxshell.simulation.body_shapes import mesh_of
 from voxshell.simulation.tables import CONTACT_DTYPE, compute_forces
 
@@ -56,6 +57,7 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
             and line.
     """
     steps, every = scene.world.steps, scene.outputs.every
+    move = make_mover(scene, world)
     poses, linear, angular, contacts = [], [], [], []
 
     def take() -> None:
@@ -67,7 +69,7 @@ def run_scene(scene: Scene, world: World, progress: Callable[[float], object]) -
     take()
     for step in range(1, steps + 1):
         with scene.naming("scene"):
-            world.step()
+            world.step(before=move)
         if step % every == 0:
             take()
         if step % 16 == 0:

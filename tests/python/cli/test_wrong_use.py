@@ -221,10 +221,10 @@ SCENES = [
         "bodies.ball.mass of a dynamic body must be above 0 kg",
     ),
     (
-        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "kinematic"\n'
+        '[bodies.ball]\nshape = "sphere"\nradius = 1\nmotion = "static"\n'
         "linear_velocity = [1, 0, 0]\n",
         5,
-        "bodies.ball.linear_velocity is for dynamic bodies",
+        "bodies.ball.linear_velocity is for dynamic and kinematic bodies",
     ),
     (
         '[bodies.ground]\nshape = "plane"\nmotion = "dynamic"\n',
