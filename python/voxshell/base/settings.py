@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import MISSING, fields, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import cache
 from types import UnionType
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -208,6 +208,10 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
             raise SettingsError(f"{name} must be a list, not {show_value(value)}")
         item = get_args(kind)[0]
         return tuple(_convert(each, item, f"{name}[{i}]") for i, each in enumerate(value))
+    if isinstance(kind, type) and is_dataclass(kind):
+        if not isinstance(value, dict):
+            raise SettingsError(f"{name} must be a table, not {show_value(value)}")
+        return make(kind, value, name)
     if origin is Literal:
         return as_choice(value, name, get_args(kind))
     words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}

@@ -116,11 +116,14 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
     if not scene.bodies:
         raise SettingsError("bodies must contain at least one body: [bodies.NAME]")
     for name, body in scene.bodies.items():
-        if body.mesh is not None and body.mesh not in scene.meshes:
-            known = list_names(scene.meshes) or "none"
-            raise SettingsError(
-                f"bodies.{name}.mesh is {body.mesh!r}, which is not in [meshes]; there are: {known}"
-            )
+        parts = {f"parts[{index}].": part for index, part in enumerate(body.parts)}
+        for place, part in {"": body, **parts}.items():
+            if part.mesh is not None and part.mesh not in scene.meshes:
+                known = list_names(scene.meshes) or "none"
+                raise SettingsError(
+                    f"bodies.{name}.{place}mesh is {part.mesh!r}, which is not in [meshes]; there are: "
+                    f"{known}"
+                )
     for name, joint in scene.joints.items():
         _check_joint(scene, name, joint)
     return scene

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from voxshell.base.user_warnings import warn_user
 from voxshell.errors import MemoryLimitError
@@ -10,15 +10,17 @@ from voxshell.model.meshes import MeshWarning, doubt_unit, read_mesh
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Plane, Sphere
 from voxshell.simulation.comparison_shapes import ConvexHull, GImpact
+from voxshell.simulation.compound import Compound
 from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from voxshell.scenes.body_settings import BodySettings
+    from voxshell.scenes.body_settings import BodySettings, PartSettings
     from voxshell.scenes.scene_file import Scene
     from voxshell.scenes.scene_settings import MeshSettings
     from voxshell.simulation.body_shapes import Shape
+    from voxshell.simulation.compound import Part
 
 _BUILD_NAMES = (
     "tolerance",
@@ -44,7 +46,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
         SettingsError: A mesh cannot be read or built, or a body or joint cannot be added. The
             message names file, line and key.
     """
-    meshes: dict[str, Shape] = {}
+    meshes: dict[str, Part] = {}
     for index, (name, settings) in enumerate(scene.meshes.items()):
 
         def report(stage: str, fraction: float, name: str = name, index: int = index) -> None:
@@ -108,7 +110,7 @@ def build_world(scene: Scene, progress: Callable[[str, float], object]) -> World
 
 def _build_mesh(
     scene: Scene, settings: MeshSettings, progress: Callable[[str, float], object]
-) -> Shape:
+) -> Part:
     path = scene.path.parent / settings.file
     if settings.collide_as == "model":
         sizes = {name: getattr(settings, name) for name in _BUILD_NAMES}
@@ -120,12 +122,18 @@ def _build_mesh(
     return GImpact(scaled) if settings.collide_as == "gimpact" else ConvexHull(scaled.vertices)
 
 
-def _make_shape(body: BodySettings, meshes: dict[str, Shape]) -> Shape:
-    if body.mesh is not None:
-        return meshes[body.mesh]
-    half_extents = body.half_extents or (0.0, 0.0, 0.0)
-    radius, length, height = body.radius or 0.0, body.length or 0.0, body.height or 0.0
-    match body.shape:
+def _make_shape(body: BodySettings, meshes: dict[str, Part]) -> Shape:
+    if not body.parts:
+        return _make_part(body, meshes)
+    return Compound((cast("Part", _make_part(part, meshes)), part.pose) for part in body.parts)
+
+
+def _make_part(part: PartSettings, meshes: dict[str, Part]) -> Part | Plane:
+    if part.mesh is not None:
+        return meshes[part.mesh]
+    half_extents = part.half_extents or (0.0, 0.0, 0.0)
+    radius, length, height = part.radius or 0.0, part.length or 0.0, part.height or 0.0
+    match part.shape:
         case "box":
             return Box(half_extents)
         case "sphere":
@@ -137,5 +145,5 @@ def _make_shape(body: BodySettings, meshes: dict[str, Shape]) -> Shape:
         case "cone":
             return Cone(radius, height)
         case _:
-            normal = (0.0, 0.0, 1.0) if body.normal is None else body.normal
-            return Plane(normal, 0.0 if body.offset is None else body.offset)
+            normal = (0.0, 0.0, 1.0) if part.normal is None else part.normal
+            return Plane(normal, 0.0 if part.offset is None else part.offset)

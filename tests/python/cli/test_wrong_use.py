@@ -143,6 +143,8 @@ COMMANDS = [
 
 DOOR = '[bodies.door]\nshape = "sphere"\nradius = 1\n'
 
+PART = "[[bodies.a.parts]]\nshape = 'sphere'\nradius = 1\n"
+
 # What a scene file says, and what is wrong with it, at which line.
 SCENES = [
     ("[scene\n", 1, "no TOML"),
@@ -196,7 +198,7 @@ SCENES = [
         4,
         "meshes.part.sheet_thickness is for open='sheet' or 'auto'",
     ),
-    ("[bodies.ball]\nmass = 1\n", 1, "bodies.ball.shape or mesh must be given"),
+    ("[bodies.ball]\nmass = 1\n", 1, "bodies.ball.shape must be given, or mesh or parts"),
     ('[bodies.ball]\nshape = "egg"\n', 2, "bodies.ball.shape must be 'plane'"),
     ('[bodies.ball]\nshape = "sphere"\n', 1, "bodies.ball.radius must be given"),
     ('[bodies.ball]\nshape = "sphere"\nradius = 0\n', 3, "bodies.ball.radius must be above 0"),
@@ -283,6 +285,32 @@ SCENES = [
         f'{DOOR}[joints.j]\nchild = "door"\nkind = "slider"\ntarget_velocity = 1\n',
         4,
         "joints.j.max_force must be given with a target",
+    ),
+    (f"{DOOR}parts = 3\n", 4, "bodies.door.parts must be a list, not 3"),
+    (f"{DOOR}parts = [3]\n", 4, "bodies.door.parts[0] must be a table, not 3"),
+    (
+        f"{DOOR}[[bodies.door.parts]]\nshape = 'sphere'\nradius = 1\n",
+        2,
+        "bodies.door.shape must be given, or mesh or parts, but only one",
+    ),
+    ("[bodies.a]\nmass = 1\nparts = []\n", 1, "bodies.a.shape must be given, or mesh or parts"),
+    (
+        "[bodies.a]\nmass = 1\nparts = [{shape = 'sphere', radius = 0}]\n",
+        3,
+        "bodies.a.parts[0].radius must be above 0",
+    ),
+    (
+        f"[bodies.a]\nmass = 1\n\n{PART}{PART}mass = 1\n",
+        4,
+        "bodies.a.parts[1].mass: unknown setting; valid settings: mesh, shape, normal",
+    ),
+    (f"[bodies.a]\n{PART}\n[[bodies.a.parts]]\n", 2, "bodies.a.parts[1].shape or mesh must be"),
+    (f"[bodies.a]\nradius = 1\n{PART}", 2, "bodies.a.radius is not a setting of a body of parts"),
+    ("[bodies.a]\nparts = [{shape = 'plane'}]\n", 2, "bodies.a.parts[0].shape must not be a plane"),
+    (
+        "[bodies.a]\nparts = [{mesh = 'm'}]\n",
+        2,
+        "bodies.a.parts[0].mesh is 'm', which is not in [me",
     ),
     (f"{DOOR}group = -1\n", 4, "bodies.door.group must be at least 0, not -1"),
     (

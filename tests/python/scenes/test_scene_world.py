@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
@@ -89,6 +90,27 @@ def test_damping_and_surface_velocity_are_those_of_the_body(tmp_path: Path):
     assert belt.surface_velocity.tolist() == [0.5, 0.0, 0.0]
     [ball] = build(tmp_path, f"{BALL}linear_damping = 0.25\nangular_damping = 0.5\n").bodies
     assert (ball.linear_damping, ball.angular_damping) == (0.25, 0.5)
+
+
+@pytest.mark.parametrize("kind", ["model", "hull", "gimpact"])
+def test_parts_are_one_body(tmp_path: Path, kind: str):
+    trimesh.creation.box((0.2, 0.2, 0.2)).export(tmp_path / "part.stl")
+    handle = (
+        '[[bodies.hammer.parts]]\nshape = "cylinder"\nradius = 0.05\nlength = 0.4\n'
+        "rotation_vector = [0, 1.5707963267948966, 0]\n"
+    )
+    head = '[[bodies.hammer.parts]]\nmesh = "part"\nposition = [0.3, 0, 0]\n'
+    keys = f'collide_as = "{kind}"\n' + ("resolution = 20\n" if kind == "model" else "")
+    body = "[bodies.hammer]\nmass = 2\nposition = [1, 2, 3]\n"
+    [hammer] = build(tmp_path, f"{MESH}{keys}{body}{handle}{head}").bodies
+    assert isinstance(hammer.shape, vx.Compound)
+    shapes = [shape for shape, _ in hammer.shape.parts]
+    assert isinstance(shapes[0], vx.Cylinder)
+    assert hammer.mass == 2.0
+    np.testing.assert_allclose(hammer.bounds, [(0.8, 1.9, 2.9), (1.4, 2.1, 3.1)], atol=0.03)
+    volumes = np.pi * 0.05**2 * 0.4, 0.008
+    center = (1 + 0.3 * volumes[1] / sum(volumes), 2, 3)
+    np.testing.assert_allclose(hammer.center_of_mass, center, atol=2e-3)
 
 
 def test_a_missing_mesh_is_said_at_its_line(tmp_path: Path):
