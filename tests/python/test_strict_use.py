@@ -175,10 +175,15 @@ def test_worlds(tmp_path: Path):
     body.apply_impulse((0, 0, -0.1), at=(0, 0, 0.3))
     assert not body.removed
     assert not body.sleeping
+    energy: float = body.kinetic_energy
+    assert energy > 0.0
+    assert body.inertia.shape == (3, 3)
+    assert body.center_of_mass.shape == (3,)
     assert isinstance(body.shape, vx.Model)
     assert world.bodies[0].name == ground.name
     depths: NDArray[np.float64] = world.query_contacts(ground, body, margin=1.0)["depth"]
     assert len(depths) > len(world.contacts()) == 0
+    assert len(world.contacts(body)) == len(world.contacts(body, ground)) == 0
     assert not world.overlaps(ground, body)
     assert world.ray_cast((0, 0, 1), (0, 0, -1))["body"][0] >= 0
     assert world.timings["step"].shape == (10,)
