@@ -1,11 +1,13 @@
 #include "round_contacts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "support/models.h"
+#include "voxshell/box_field.h"
 #include "voxshell/contacts.h"
 #include "voxshell/plane_field.h"
 
@@ -60,6 +62,37 @@ TEST(RoundContacts, OfABallAreOneBelowItsMiddle) {
     EXPECT_LT(std::hypot(place.x, place.y), 2e-4) << angle;
     EXPECT_NEAR(place.z, 0.0, 5e-6) << angle;
     EXPECT_NEAR(contacts[0].depth, -place.z, 1e-8);
+  }
+}
+
+TEST(RoundContacts, OfALeaningPoleAreOnTheEdgeAndSquareToThePole) {
+  constexpr double kLean = 0.01;
+  constexpr double kRadius = 0.02;
+  constexpr double kEdge = 0.1;
+  constexpr float kFar = 5e-3f;
+  const auto pole = fine(make_cylinder(kRadius, 0.6, 64));
+  const Field block = BoxField{{kEdge, kEdge, kEdge}};
+  for (const double turn : {0.0, 0.03, 0.07}) {
+    const double c = std::cos(kLean);
+    const double s = std::sin(kLean);
+    const Matrix3 turned{
+        {std::cos(turn), -std::sin(turn), 0}, {std::sin(turn), std::cos(turn), 0}, {0, 0, 1}};
+    // Along x, lower on that side, so that it touches the edge there.
+    const double height = kEdge + (kEdge + kRadius * s) / c * s + kRadius * c;
+    const Pose pose{Matrix3{{-s, 0, c}, {0, 1, 0}, {-c, 0, -s}} * turned, {0, 0, height}};
+    QueryScratch scratch;
+    const auto found = find_contacts(block, pole->shell(), pose, {.margin = kFar}, scratch);
+    std::vector<Contact> contacts(found.begin(), found.end());
+    RoundContacts round;
+    round.slide(contacts, *pole, SmoothField(block), pose, {0.1, kMargin, 0.0}, {}, -kFar);
+    const auto on_edge = [&](const Contact& contact) {
+      const Vec3 place = pose.transform_point(static_cast<Vec3>(contact.point));
+      return std::abs(place.x - kEdge) < 2e-4;
+    };
+    const auto reached = std::ranges::find_if(contacts, on_edge);
+    ASSERT_NE(reached, contacts.end()) << turn;
+    EXPECT_NEAR(reached->normal.z, 0.0, 1e-4) << turn;
+    EXPECT_NEAR(reached->depth, 0.0, 1e-5) << turn;
   }
 }
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from voxshell_studies.scenes.limits import (
     blows,
     bores,
+    collars,
     kinematic,
     loads,
     mechanisms,
@@ -19,7 +20,7 @@ from voxshell_studies.scenes.limits.scene import LimitScene
 
 SCENES: dict[str, LimitScene] = {
     scene.name: scene
-    for module in (slots, mechanisms, blows, rolling, bores, kinematic, loads, speed)
+    for module in (slots, mechanisms, blows, rolling, bores, collars, kinematic, loads, speed)
     for scene in module.SCENES
 }
 """All scenes by name, in the order of the report."""
