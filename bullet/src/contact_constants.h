@@ -93,6 +93,10 @@ inline constexpr double kMostGapOfTurn = 0.5;
 /// and rebounds; a body that went straight on in the step before closes by twice as much. Smaller:
 /// elastic balls lose speed in bowls.
 inline constexpr double kMostClosingOfTurn = 3.0;
+/// The places with which two bodies will touch are apart now by at most this multiple of what the
+/// bodies move past each other until then. Larger: flat places are far from those that touch, and
+/// angular momentum is lost. Smaller: balls that hit each other aslant begin to spin.
+inline constexpr double kMostAside = 1.25;
 /// By how much a direction is tilted to see how round a surface is, radians.
 inline constexpr double kTilt = 0.1;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
@@ -359,6 +363,9 @@ inline constexpr double kLeadOfRadius = 0.005;
 /// Where a straight surface leans by less than this sine against a round one, it is where they face
 /// each other.
 inline constexpr double kStraightLean = 2e-3;
+/// On the way to where they face each other, it turns by at most this fraction of that lean. Larger:
+/// balls are straight where their patches meet, and touch with samples there.
+inline constexpr double kStraightTurn = 0.25;
 /// A place under an edge is found to this fraction of the distance within which places are one.
 inline constexpr double kEdgeWithin = 0.1;
 /// Samples slide to an edge that is no farther away than this fraction of their spacing. Larger:

@@ -4,10 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <variant>
 
 #include "contact_constants.h"
 #include "impact.h"
+#include "round_touch.h"
 #include "side_contacts.h"
+#include "sliding_touch.h"
 #include "speculative_contacts.h"
 
 namespace voxshell::bullet {
@@ -113,6 +116,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     touches = true;
     touches_from_above = touches_from_above || beside.back() == 0;
   };
+  memory.asides.clear();
   mark_met_without_ccd(step, contacts, memory);
   memory.turning.find(step, contacts, exact);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -130,9 +134,22 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     const auto followed = follow(step, features, contact, impact, hits_later);
     if (!followed) continue;
     // What has slid to the deepest place has a truer normal than the place that it is said to
-    // reach.
+    // reach, and goes on sliding until they touch.
     const bool stays = is_exact && dot(contact.normal, followed->plane.normal) >= kDoubleCosine;
-    const Contact& judged = stays ? contact : followed->plane;
+    std::optional<Sliding> sliding;
+    // The sides of cylinders and capsules touch along lines, at whose ends their features stay.
+    const bool slides =
+        contact.id < kFirstFeature || std::holds_alternative<SphereField>(step.pair->field());
+    if (is_exact && followed->touches && slides) {
+      sliding = find_sliding(step, step.motion, contact, 1.0);
+    }
+    Contact judged = stays ? contact : followed->plane;
+    // What leads farther than the bodies pass each other has not found the place that faces now.
+    const bool is_known = sliding && length(sliding->aside) <= kMostAside * sliding->passed;
+    if (is_known && (stays || sliding->contact.normal == judged.normal)) {
+      judged = sliding->contact;
+      memory.asides.push_back({contact.id, sliding->aside});
+    }
     if (followed->touches) {
       touch(contact, judged);
     } else {
@@ -196,6 +213,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
   memory.rebounding.find(step, first, contacts);
   of_step.rebounding = &memory.rebounding;
   of_step.turning = &memory.turning;
+  of_step.asides = memory.asides;
   of_step.hold = renew_hold(step, contacts, memory.held_b_from_a);
   memory.held_b_from_a = of_step.hold.b_from_a;
   memory.owed_energy = 0.0;
@@ -213,6 +231,11 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
                       double rolling_lever) {
   const PosedPair& pair = *step.pair;
   WorldContact world = pair.to_world(contact);
+  const auto slid = std::ranges::lower_bound(of_step.asides, contact.id, {}, &Aside::id);
+  if (slid != of_step.asides.end() && slid->id == contact.id) {
+    Vec3& of_larger = is_shell_larger(step) == pair.shell_is_a ? world.point_a : world.point_b;
+    of_larger = of_larger + pair.shell_side().world_from_geometry().rotate(slid->aside);
+  }
   const Impact impact = impact_of(step, contact);
   world.is_resting = is_anchored(step, impact);
   world.carries_on = step.is_still || world.is_resting;

@@ -16,6 +16,12 @@
 
 namespace voxshell::bullet {
 
+/// Of a contact that slides until the bodies touch: see Sliding.
+struct Aside {
+  std::uint32_t id;
+  Vec3 aside;  ///< metres, shell's frame
+};
+
 /// What one step of a pair leaves to the next.
 struct PairMemory {
   double owed_energy = 0.0;  ///< see Rebound
@@ -27,12 +33,14 @@ struct PairMemory {
   std::vector<Vec3f> normals;         ///< room for those of the faces that touch
   Rebounding rebounding;
   TurningContacts turning;
+  std::vector<Aside> asides;  ///< ascending by id
 };
 
 /// What all contacts of a step have in common, which to_world() needs for each of them.
 struct StepContacts {
   const Rebounding* rebounding = nullptr;    ///< in the pair's memory
   const TurningContacts* turning = nullptr;  ///< likewise
+  std::span<const Aside> asides;             ///< likewise
   Hold hold;
 };
 

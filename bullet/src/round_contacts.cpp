@@ -214,6 +214,9 @@ std::optional<RoundContacts::Straight> RoundContacts::go_straight(const SmoothSu
   // Beyond its end, it is not under the field's surface.
   const double off = squared_length(surface_->position(reached) - wanted);
   if (off > same_within_ * same_within_) return std::nullopt;
+  // A round surface may lean, too, where patches of it meet.
+  const double turned = squared_length(surface_->normal(reached) - normal);
+  if (turned > kStraightTurn * kStraightTurn * squared_length(lean)) return std::nullopt;
   return Straight{reached, displacement, is_over_edge};
 }
 

@@ -94,29 +94,31 @@ class SlidingPlace {
   }
 
   /// The contact where they touch.
-  Contact contact_of(const Met& met, const Contact& contact) const {
+  Sliding contact_of(const Met& met, const Contact& contact) const {
     const double sign = body_.is_shell ? 1.0 : -1.0;
     const Vec3 normal = sign * met.outwards;
     const auto facing = body_.round.slide(met.place, own_from_shell_.rotate(-met.outwards),
                                           kFlatBend / step_.ball.radius);
     const Vec3 now = shell_from_own_.transform_point((facing ? *facing : met.place).position);
     const Vec3 velocity = motion_.velocity_at(now) + motion_.velocity_of_fall;
-    const double closing = std::max(-dot(velocity, met.outwards) * step_.time_step, 0.0);
+    const double approach = -dot(velocity, met.outwards);
+    const double closing = std::max(approach * step_.time_step, 0.0);
     const double gap = std::max(met.gap, 0.0);
     Contact touching = contact;
     touching.normal = static_cast<Vec3f>(normal);
     touching.depth = static_cast<float>(-(met.fraction * closing + gap) - step_.thickness);
+    const Vec3 on_other = met.position - (met.gap + step_.thickness) * met.outwards;
     // At the place of the smaller body.
-    if (body_.is_shell == is_shell_larger(step_)) {
-      const Vec3 on_other = met.position - (met.gap + step_.thickness) * met.outwards;
-      touching.point = static_cast<Vec3f>(on_other);
-      if (body_.is_shell)
-        put_on_field(step_, other_from_shell_.transform_point(on_other), touching);
-      return touching;
+    const bool is_larger = body_.is_shell == is_shell_larger(step_);
+    const Vec3 of_smaller = is_larger ? on_other : now;
+    const Vec3 of_larger = is_larger ? now : on_other;
+    touching.point = static_cast<Vec3f>(of_smaller);
+    if (is_shell_larger(step_)) {
+      put_on_field(step_, step_.field_from_shell.transform_point(of_smaller), touching);
     }
-    touching.point = static_cast<Vec3f>(now);
-    if (!body_.is_shell) put_on_field(step_, own_from_shell_.transform_point(now), touching);
-    return touching;
+    const Vec3 apart = of_larger - of_smaller;
+    const double passing = length(velocity + approach * met.outwards);
+    return {touching, apart - dot(apart, normal) * normal, met.fraction * step_.time_step * passing};
   }
 
  private:
@@ -174,7 +176,7 @@ class SlidingPlace {
 
 }  // namespace
 
-std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
+std::optional<Sliding> find_sliding(const PairStep& step, const RelativeMotion& motion,
                                     const Contact& contact, double steps) {
   const auto body = find_round(step, contact);
   if (!body) return std::nullopt;

@@ -8,6 +8,16 @@
 
 namespace voxshell::bullet {
 
+/// A contact that slides until the surfaces touch. Each of them touches with the place that faces the
+/// other one then, and where those are now, they need not face each other.
+struct Sliding {
+  Contact contact;  ///< with the gap that is left to it now, and the normal where they touch
+  /// The place of the larger body now, less where it would be if it faced that of the smaller one,
+  /// shell's frame, metres.
+  Vec3 aside;
+  double passed;  ///< how far they move past each other until they touch, metres
+};
+
 /// Follows the place where a round surface faces the other body, as both move: over an edge, a bar
 /// or another ball it slides, and what was followed in one place would pass beside them. None where
 /// the surfaces do not touch, where the contact is at no such place, and where it cannot be
@@ -16,9 +26,7 @@ namespace voxshell::bullet {
 /// @param motion   Of the shell as the field sees it, in the shell's frame.
 /// @param contact  Where it is now.
 /// @param steps    For how long it is followed.
-/// @return The contact with the gap that is left to it now, and the normal of the other body where
-/// they touch.
-std::optional<Contact> find_sliding(const PairStep& step, const RelativeMotion& motion,
+std::optional<Sliding> find_sliding(const PairStep& step, const RelativeMotion& motion,
                                     const Contact& contact, double steps);
 
 /// How far the center of the shell's body moves against that of the field's within the step,

@@ -299,7 +299,9 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
   if (!is_facing(step, contact)) return found;
   const auto sliding = find_sliding(step, motion, contact, steps);
   const auto time_of_plane = [&](const Contact& plane) { return time_of(step, motion, plane); };
-  if (sliding && (!found || time_of_plane(*sliding) < time_of_plane(*found))) return sliding;
+  if (sliding && (!found || time_of_plane(sliding->contact) < time_of_plane(*found))) {
+    return sliding->contact;
+  }
   if (found) return found;
   // The place turns away, and another one faces the other body.
   const bool is_of_shell = contact.id < kFirstOfSecond;

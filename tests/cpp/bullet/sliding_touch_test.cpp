@@ -30,7 +30,7 @@ struct Falling {
     step = bodies.step(kStep);
     nearest = find_deepest(bodies.near(0.1));
   }
-  std::optional<Contact> slide() const { return find_sliding(step, step.motion, nearest, 1.0); }
+  std::optional<Sliding> slide() const { return find_sliding(step, step.motion, nearest, 1.0); }
 
   TestWorld world{{}, {0, 0, 0}};
   btRigidBody& ball;
@@ -46,11 +46,11 @@ void expect_plane_of_edge(const Falling& falling, double beside, double height) 
   ASSERT_TRUE(found);
   const double sine = beside / kBallRadius;
   const double cosine = std::sqrt(1.0 - sine * sine);
-  EXPECT_NEAR(std::abs(found->normal.x), sine, 0.02);
-  EXPECT_NEAR(found->normal.y, 0.0, 0.02);
-  EXPECT_NEAR(std::abs(found->normal.z), cosine, 0.02);
+  EXPECT_NEAR(std::abs(found->contact.normal.x), sine, 0.02);
+  EXPECT_NEAR(found->contact.normal.y, 0.0, 0.02);
+  EXPECT_NEAR(std::abs(found->contact.normal.z), cosine, 0.02);
   const double gap = sine * beside + cosine * height - kBallRadius;
-  EXPECT_NEAR(-found->depth, gap, 0.02 * kBallRadius);
+  EXPECT_NEAR(-found->contact.depth, gap, 0.02 * kBallRadius);
 }
 
 TEST(SlidingTouch, MeetsAnEdgeThatTheNearestPlacePasses) {
@@ -65,7 +65,7 @@ TEST(SlidingTouch, LeavesTheEdgeToABallThatSpins) {
   const Falling falling({beside, 0, height}, {0, 0, -kBallRadius / kStep}, {0, 20, 0});
   const auto found = falling.slide();
   ASSERT_TRUE(found);
-  const Vec3 lever = cross(static_cast<Vec3>(found->point), static_cast<Vec3>(found->normal));
+  const Vec3 lever = cross(static_cast<Vec3>(found->contact.point), static_cast<Vec3>(found->contact.normal));
   EXPECT_LE(length(lever), 0.01 * kBallRadius);
 }
 
