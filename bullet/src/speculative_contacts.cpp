@@ -27,27 +27,31 @@ struct Touch {
   double fraction;  ///< of the step
 };
 
-/// A point of a shell that is followed, in its own body's frame.
-struct ShellPoint {
-  const GridField* own;
+/// A point of a body's surface that is followed, in its own body's frame.
+struct SurfacePoint {
+  const Field* own;
   Vec3 place;
   Vec3 normal;
   Pose path_from_own;  ///< at the start of the step
   bool is_on_curve;
 
-  /// Whether the field's surface bends nearer to a touch than that of the shell does: along the
+  /// Whether the field's surface bends nearer to a touch than that of the body does: along the
   /// tangent by which their normals differ, as a cylinder is straight along its axis alone, or all
   /// around what is flat, whose own edges are elements of the shell.
   template <class F>
   bool is_straighter(const Vec3& own_tangent, const F& field, const Vec3& on_field,
                      const Vec3& outwards, const Vec3& tangent, double radius) const {
-    if (!is_on_curve) {
-      const std::size_t bends = bends_from(*own, place, normal, radius);
-      return bends_before(field, on_field, outwards, radius, bends);
-    }
-    const Vec3 of_field = normalized(tangent - dot(tangent, outwards) * outwards);
-    return bends_along_from(field, on_field, of_field, radius) <
-           bends_along_from(*own, place, own_tangent, radius);
+    return std::visit(
+        [&](const auto& of_own) {
+          if (!is_on_curve) {
+            const std::size_t bends = bends_from(of_own, place, normal, radius);
+            return bends_before(field, on_field, outwards, radius, bends);
+          }
+          const Vec3 of_field = normalized(tangent - dot(tangent, outwards) * outwards);
+          return bends_along_from(field, on_field, of_field, radius) <
+                 bends_along_from(of_own, place, own_tangent, radius);
+        },
+        *own);
   }
 };
 
@@ -67,7 +71,7 @@ struct FacingPlace {};
 
 /// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that knows
 /// nothing of its surface.
-using Element = std::variant<std::monostate, ShellPoint, EdgePiece, FacingPlace>;
+using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
 /// ends before. `way` is what that place has moved by, metres.
@@ -111,7 +115,7 @@ template <class F>
 std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path& path,
                                 const Pose& field_from_path, const Vec3& displacement, double steps,
                                 double offset, const Element& element) {
-  const auto* point = std::get_if<ShellPoint>(&element);
+  const auto* point = std::get_if<SurfacePoint>(&element);
   const auto* edge = std::get_if<EdgePiece>(&element);
   double along = 0.0;
   const auto place_at = [&](double fraction) {
@@ -165,22 +169,37 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
 Element element_of(const PairStep& step, const Side& side, std::uint32_t id, const Vec3& place,
                    const Pose& path_from_own, const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
-  const GridField& own = side.model()->grid();
+  const Field& own = side.model()->field();
   if (shell.is_point(id)) {
     if (!lies_on_curve(*side.model(), id)) {
       const auto normal = static_cast<Vec3>(shell.normals()[id]);
-      return ShellPoint{&own, place, normal, path_from_own, false};
+      return SurfacePoint{&own, place, normal, path_from_own, false};
     }
     const SmoothSurface& surface = side.model()->smooth_surface();
     // What has slid is no longer where its sample is.
     const SmoothSurface::Place on = surface.nearest(place, surface.triangle_of(id));
-    return ShellPoint{&own, place, surface.normal(on), path_from_own, true};
+    return SurfacePoint{&own, place, surface.normal(on), path_from_own, true};
   }
   if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
   const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
   const Vec3 along = normalized(half);
-  return EdgePiece{&own, place, along, field_from_own.rotate(along),
+  return EdgePiece{&side.model()->grid(), place, along, field_from_own.rotate(along),
                    side.model()->settings().tolerance};
+}
+
+/// Features of the sides of cylinders and capsules are of a surface that is straight.
+Element element_of(const PosedPair& pair, const Feature& feature, const Pose& field_from_shell) {
+  const Field& field = pair.field();
+  if (!std::holds_alternative<CylinderField>(field) && !std::holds_alternative<CapsuleField>(field)) {
+    return {};
+  }
+  const Vec3 place = field_from_shell.transform_point(feature.place);
+  const Vec3 normal = std::visit(
+      [&](const auto& typed) {
+        return normalized(static_cast<Vec3>(typed.gradient(static_cast<Vec3f>(place))));
+      },
+      field);
+  return SurfacePoint{&field, place, normal, field_from_shell.inverse(), true};
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
@@ -243,7 +262,8 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
   const PosedPair& pair = *step.pair;
   if (contact.id >= kFirstFeature) {
     const Feature& feature = features[contact.id - kFirstFeature];
-    const auto touch = find_in_shell_body(step, motion, feature, contact.id, steps, {});
+    const Element element = element_of(pair, feature, step.field_from_shell);
+    const auto touch = find_in_shell_body(step, motion, feature, contact.id, steps, element);
     const bool is_ball = feature.radius > 0.0;
     if (touch && is_ball && is_between_walls(pair.shell_side().model()->grid(), feature, *touch)) {
       return contact;

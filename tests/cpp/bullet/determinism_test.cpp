@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0x63ca09b937e32083, 0xa4d79d9f108cbeaa, 0x376e7560db293b61, 0x208311d987d68b81,
-        0x9ddbd697d09d1376, 0x36bb4edcff716374}},
+       {0x6a2b55236bcb34fc, 0xdae52872a3bbde4a, 0xe9c09ddf19befc13, 0x1441f67a9bdd774c,
+        0x5a5c8614d021e931, 0xa3bd4be9ad977fb2}},
       {"Bullet 324 double, anywhere",
-       {0xb4964108c0f4c5d2, 0x4a65edf4a557777b, 0xcf7784ef97670aa0, 0xb315102de21bc194,
-        0x05742c61c0921abf, 0x864f9176e9fa6881}},
+       {0x6b0bea7212e78a4d, 0xe70338ea71fd10f2, 0x75044c425ad6e8c3, 0x9b80378c16cab9a5,
+        0xcc55349e94ea3fa2, 0xfec270ba960d395f}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x35109393d42e1fa6, 0x2e8dfaffb77da60a, 0x3434f18da0e3b866, 0xa8d941026f56b4b1,
-        0xf7920f735e679f49, 0x9a6709d0e12c8942}},
+       {0xa84cd3400653ee08, 0xfadb66d25813aca6, 0xa75248bcbca48924, 0xe9cc984e92def6e3,
+        0xf7920f735e679f49, 0x8f7ff2f6b0894bee}},
   };
   return hashes;
 }
