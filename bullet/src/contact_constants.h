@@ -97,6 +97,9 @@ inline constexpr double kMostClosingOfTurn = 3.0;
 /// bodies move past each other until then. Larger: flat places are far from those that touch, and
 /// angular momentum is lost. Smaller: balls that hit each other aslant begin to spin.
 inline constexpr double kMostAside = 1.25;
+/// Where they do, their normals miss each other by at most this angle, radians. Larger: tori that
+/// fall flat on the ground touch it aslant. Smaller: so do balls that hit each other.
+inline constexpr double kMostLeanOfTouch = 0.05;
 /// By how much a direction is tilted to see how round a surface is, radians.
 inline constexpr double kTilt = 0.1;
 /// Surfaces touch where they are nearer than this fraction of the pair's finest detail. Smaller:
@@ -363,8 +366,8 @@ inline constexpr double kLeadOfRadius = 0.005;
 /// Where a straight surface leans by less than this sine against a round one, it is where they face
 /// each other.
 inline constexpr double kStraightLean = 2e-3;
-/// On the way to where they face each other, it turns by at most this fraction of that lean. Larger:
-/// balls are straight where their patches meet, and touch with samples there.
+/// On the way to where they face each other, it turns by at most this fraction of that lean.
+/// Larger: balls are straight where their patches meet, and touch with samples there.
 inline constexpr double kStraightTurn = 0.25;
 /// A place under an edge is found to this fraction of the distance within which places are one.
 inline constexpr double kEdgeWithin = 0.1;

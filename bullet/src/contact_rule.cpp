@@ -145,7 +145,8 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     }
     Contact judged = stays ? contact : followed->plane;
     // What leads farther than the bodies pass each other has not found the place that faces now.
-    const bool is_known = sliding && length(sliding->aside) <= kMostAside * sliding->passed;
+    const bool is_known =
+        sliding && sliding->faces && length(sliding->aside) <= kMostAside * sliding->passed;
     if (is_known && (stays || sliding->contact.normal == judged.normal)) {
       judged = sliding->contact;
       memory.asides.push_back({contact.id, sliding->aside});

@@ -8,8 +8,9 @@
 namespace voxshell::bullet {
 
 /// Where a function of growing value is zero, from a first guess on: by secants, and by halves
-/// where these leave what holds the zero or come no nearer, as where the function jumps. None where it does not grow by `least` within a number of
-/// steps, each twice as long as the last, or is not found.
+/// where these leave what holds the zero or come no nearer, as where the function jumps. None where
+/// it does not grow by `least` within a number of steps, each twice as long as the last, or is not
+/// found.
 template <class F>
 std::optional<double> find_zero(const F& value_at, double first_step, double least, double within) {
   double at = 0.0;

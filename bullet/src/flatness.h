@@ -53,8 +53,8 @@ std::size_t bends_along_from(const F& field, const Vec3& place, const Vec3& tang
   if constexpr (std::is_same_v<F, PlaneField>) return kFlatScales.size();
   const auto bends = [&](double distance) {
     const auto off = [&](double along) {
-      return std::abs(static_cast<double>(
-          field.distance(static_cast<Vec3f>(place + along * tangent))));
+      return std::abs(
+          static_cast<double>(field.distance(static_cast<Vec3f>(place + along * tangent))));
     };
     return std::max(off(distance), off(-distance)) > kFlatBend * distance;
   };

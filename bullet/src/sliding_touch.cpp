@@ -94,7 +94,7 @@ class SlidingPlace {
   }
 
   /// The contact where they touch.
-  Sliding contact_of(const Met& met, const Contact& contact) const {
+  Sliding contact_of(const Met& met, const Contact& contact) {
     const double sign = body_.is_shell ? 1.0 : -1.0;
     const Vec3 normal = sign * met.outwards;
     const auto facing = body_.round.slide(met.place, own_from_shell_.rotate(-met.outwards),
@@ -118,7 +118,10 @@ class SlidingPlace {
     }
     const Vec3 apart = of_larger - of_smaller;
     const double passing = length(velocity + approach * met.outwards);
-    return {touching, apart - dot(apart, normal) * normal, met.fraction * step_.time_step * passing};
+    const SmoothField::Value there = other_.at(other_from_shell_.transform_point(met.position));
+    const Vec3 lean = shell_from_other_.rotate(there.outwards) - met.outwards;
+    return {touching, apart - dot(apart, normal) * normal, met.fraction * step_.time_step * passing,
+            squared_length(lean) <= kMostLeanOfTouch * kMostLeanOfTouch};
   }
 
  private:

@@ -8,14 +8,15 @@
 
 namespace voxshell::bullet {
 
-/// A contact that slides until the surfaces touch. Each of them touches with the place that faces the
-/// other one then, and where those are now, they need not face each other.
+/// A contact that slides until the surfaces touch. Each of them touches with the place that faces
+/// the other one then, and where those are now, they need not face each other.
 struct Sliding {
   Contact contact;  ///< with the gap that is left to it now, and the normal where they touch
   /// The place of the larger body now, less where it would be if it faced that of the smaller one,
   /// shell's frame, metres.
   Vec3 aside;
   double passed;  ///< how far they move past each other until they touch, metres
+  bool faces;     ///< the two normals are opposite then; not on edges
 };
 
 /// Follows the place where a round surface faces the other body, as both move: over an edge, a bar

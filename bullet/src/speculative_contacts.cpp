@@ -69,8 +69,8 @@ struct EdgePiece {
 /// The place of a curved surface that faces a face of the other body, as long as it does.
 struct FacingPlace {};
 
-/// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that knows
-/// nothing of its surface.
+/// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that
+/// knows nothing of its surface.
 using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
@@ -190,9 +190,9 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
 /// Features of the sides of cylinders and capsules are of a surface that is straight.
 Element element_of(const PosedPair& pair, const Feature& feature, const Pose& field_from_shell) {
   const Field& field = pair.field();
-  if (!std::holds_alternative<CylinderField>(field) && !std::holds_alternative<CapsuleField>(field)) {
-    return {};
-  }
+  const bool is_straight =
+      std::holds_alternative<CylinderField>(field) || std::holds_alternative<CapsuleField>(field);
+  if (!is_straight || feature.radius > 0.0) return {};
   const Vec3 place = field_from_shell.transform_point(feature.place);
   const Vec3 normal = std::visit(
       [&](const auto& typed) {

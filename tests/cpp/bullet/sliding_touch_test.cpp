@@ -65,7 +65,8 @@ TEST(SlidingTouch, LeavesTheEdgeToABallThatSpins) {
   const Falling falling({beside, 0, height}, {0, 0, -kBallRadius / kStep}, {0, 20, 0});
   const auto found = falling.slide();
   ASSERT_TRUE(found);
-  const Vec3 lever = cross(static_cast<Vec3>(found->contact.point), static_cast<Vec3>(found->contact.normal));
+  const Vec3 lever =
+      cross(static_cast<Vec3>(found->contact.point), static_cast<Vec3>(found->contact.normal));
   EXPECT_LE(length(lever), 0.01 * kBallRadius);
 }
 
