@@ -13,7 +13,7 @@ namespace voxshell::bullet {
 /// A contact as Bullet wants it, between the wrapped objects a and b. Metres, world frame.
 struct WorldContact {
   std::uint32_t id;  ///< of the shell's point, a feature (kFirstFeature) or a cell of triangles
-  Vec3 point_a;
+  Vec3 point_a;      ///< where the place that touches is now; see Sliding
   Vec3 point_b;
   Vec3 normal;                    ///< unit, on b, pointing towards a
   double depth;                   ///< positive where the bodies overlap

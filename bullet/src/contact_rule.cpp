@@ -144,7 +144,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
       sliding = find_sliding(step, step.motion, contact, 1.0);
     }
     Contact judged = stays ? contact : followed->plane;
-    // What leads farther than the bodies pass each other has not found the place that faces now.
+    // If the places are farther apart than what the bodies pass each other, they were not found.
     const bool is_known =
         sliding && sliding->faces && length(sliding->aside) <= kMostAside * sliding->passed;
     if (is_known && (stays || sliding->contact.normal == judged.normal)) {
