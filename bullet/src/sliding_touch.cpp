@@ -96,18 +96,23 @@ class SlidingPlace {
   /// The contact where they touch.
   Sliding contact_of(const Met& met, const Contact& contact) {
     const double sign = body_.is_shell ? 1.0 : -1.0;
-    const Vec3 normal = sign * met.outwards;
-    const auto facing = body_.round.slide(met.place, own_from_shell_.rotate(-met.outwards),
+    const SmoothField::Value there = other_.at(other_from_shell_.transform_point(met.position));
+    const Vec3 felt = shell_from_other_.rotate(there.outwards);
+    const bool faces = squared_length(felt - met.outwards) <= kMostLeanOfTouch * kMostLeanOfTouch;
+    // The place is found within half a degree only, and the other body bends less.
+    const Vec3 outwards = faces ? felt : met.outwards;
+    const Vec3 normal = sign * outwards;
+    const auto facing = body_.round.slide(met.place, own_from_shell_.rotate(-outwards),
                                           kFlatBend / step_.ball.radius);
     const Vec3 now = shell_from_own_.transform_point((facing ? *facing : met.place).position);
     const Vec3 velocity = motion_.velocity_at(now) + motion_.velocity_of_fall;
-    const double approach = -dot(velocity, met.outwards);
+    const double approach = -dot(velocity, outwards);
     const double closing = std::max(approach * step_.time_step, 0.0);
     const double gap = std::max(met.gap, 0.0);
     Contact touching = contact;
     touching.normal = static_cast<Vec3f>(normal);
     touching.depth = static_cast<float>(-(met.fraction * closing + gap) - step_.thickness);
-    const Vec3 on_other = met.position - (met.gap + step_.thickness) * met.outwards;
+    const Vec3 on_other = met.position - (met.gap + step_.thickness) * outwards;
     // At the place of the smaller body.
     const bool is_larger = body_.is_shell == is_shell_larger(step_);
     const Vec3 of_smaller = is_larger ? on_other : now;
@@ -117,11 +122,9 @@ class SlidingPlace {
       put_on_field(step_, step_.field_from_shell.transform_point(of_smaller), touching);
     }
     const Vec3 apart = of_larger - of_smaller;
-    const double passing = length(velocity + approach * met.outwards);
-    const SmoothField::Value there = other_.at(other_from_shell_.transform_point(met.position));
-    const Vec3 lean = shell_from_other_.rotate(there.outwards) - met.outwards;
+    const double passing = length(velocity + approach * outwards);
     return {touching, apart - dot(apart, normal) * normal, met.fraction * step_.time_step * passing,
-            squared_length(lean) <= kMostLeanOfTouch * kMostLeanOfTouch};
+            faces};
   }
 
  private:

@@ -116,14 +116,14 @@ std::string platform() {
 const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& golden_hashes() {
   static const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>> hashes{
       {"Bullet 324 float, glibc 2.36, x86-64 with FMA",
-       {0xde1afdd24f3da3cd, 0xdae52872a3bbde4a, 0xe9c09ddf19befc13, 0x1441f67a9bdd774c,
-        0x5a5c8614d021e931, 0xba7068e43e9aee62}},
+       {0x4451045a60b77a3b, 0xf32a688bca200a1e, 0x0b067695edaf4138, 0xd967eb68b7871a36,
+        0xdbdd8b4257693704, 0x3d236c3464650736}},
       {"Bullet 324 double, anywhere",
-       {0x125d33e59a9453cb, 0xe70338ea71fd10f2, 0x75044c425ad6e8c3, 0x9b80378c16cab9a5,
-        0xcc55349e94ea3fa2, 0xbd535ff494eda339}},
+       {0xafdc308f0155d584, 0x012fa7e17f5f3870, 0x03e0633726912459, 0xb730d26034582ae3,
+        0xcc55349e94ea3fa2, 0x8c9c4ce830e2d5f1}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0x7a372a1c560681e2, 0xfadb66d25813aca6, 0xa75248bcbca48924, 0xe9cc984e92def6e3,
-        0xf7920f735e679f49, 0x1ee412425ee6df42}},
+       {0xd65576854e9fefad, 0xeeb48bbe310afb24, 0x30c163737c63c9ae, 0xb6b4ecd5434275e7,
+        0xf7920f735e679f49, 0x0ad0be0a48a51a42}},
   };
   return hashes;
 }
