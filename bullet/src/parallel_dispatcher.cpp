@@ -10,10 +10,9 @@
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
 #include "model_algorithm.h"
-#include "of_this_thread.h"
 #include "posed_pair.h"
+#include "run_on_threads.h"
 #include "support.h"
-#include "voxshell/parallel.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -92,20 +91,15 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
     }
     jobs_.push_back({algorithm, &a, &b});
   }
-  const auto threads =
-      static_cast<unsigned>(std::min<std::size_t>(threads_, jobs_.size() / kPairsOfThread));
-  if (threads < 2) {
+  if (jobs_.size() < 2 * kPairsOfThread) {
     jobs_.clear();
     return;
   }
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto time_step = static_cast<double>(info.m_timeStep);
-  // All thread_local variables of a library exist as soon as the thread touches one of them.
-  const auto begin_thread = [] { static_cast<void>(ThreadObjects::of_this_thread()); };
-  parallel_for(
-      jobs_.size(), threads, "contacts", {}, [&](std::size_t i) { jobs_[i].prepare(time_step); },
-      begin_thread);
+  run_on_threads(jobs_.size(), threads_, kPairsOfThread, "contacts",
+                 [&](std::size_t i) { jobs_[i].prepare(time_step); });
   parallel_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
 }
 

@@ -19,8 +19,8 @@ double reach_of(const btCollisionObject& body) {
 
 }  // namespace
 
-void SeamlessBodies::describe(std::span<const Touching> of_body, double time_step) {
-  const btCollisionObject& body = *body_;
+void SeamlessBody::describe(std::span<const Touching> of_body, double time_step) {
+  const btCollisionObject& body = *of_body.front().body;
   const Pose world_from_body = from_bullet(body.getWorldTransform());
   const Pose body_from_world = world_from_body.inverse();
   const Motion motion = Motion::of(body, time_step);
@@ -49,7 +49,7 @@ void SeamlessBodies::describe(std::span<const Touching> of_body, double time_ste
   }
 }
 
-bool SeamlessBodies::are_as_now(const Surroundings& then) const {
+bool SeamlessBody::are_as_now(const Surroundings& then) const {
   const double most = kSeamKeptOfRadius * smallest_;
   const auto is_same_other = [&](const Other& before, const Other& now) {
     return before.body == now.body &&
@@ -64,23 +64,23 @@ bool SeamlessBodies::are_as_now(const Surroundings& then) const {
          std::ranges::equal(then.others, now_.others, is_same_other);
 }
 
-bool SeamlessBodies::hold(std::span<const Touching> of_body, double time_step) {
-  body_ = of_body.front().body;
+bool SeamlessBody::hold(std::span<const Touching> of_body, double time_step) {
   describe(of_body, time_step);
-  const auto found = kept_.find(body_);
-  if (found == kept_.end() || !are_as_now(found->second)) return false;
-  found->second.step = step_;
-  return true;
+  return are_as_now(kept_);
 }
 
-void SeamlessBodies::keep(bool has_seams) {
+void SeamlessBody::keep(bool has_seams) {
   if (has_seams) {
-    kept_.erase(body_);
-    return;
+    kept_.shape = nullptr;
+  } else {
+    std::swap(kept_, now_);
   }
-  Surroundings& of_body = kept_[body_];
-  std::swap(of_body, now_);
-  of_body.step = step_;
+}
+
+SeamlessBody& SeamlessBodies::of(const btCollisionObject& body) {
+  Kept& kept = kept_[&body];
+  kept.step = step_;
+  return kept.body;
 }
 
 void SeamlessBodies::end() {

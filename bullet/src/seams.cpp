@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -16,16 +17,22 @@
 #include "contact_constants.h"
 #include "motion.h"
 #include "neighbor.h"
+#include "of_this_thread.h"
 #include "parting_planes.h"
 #include "posed_pair.h"
 #include "round_side.h"
+#include "run_on_threads.h"
 #include "seam_touch.h"
 #include "seamless_bodies.h"
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
+#include "voxshell/bullet/parallel_dispatcher.h"
 
 namespace voxshell::bullet {
 namespace {
+
+/// Bodies for each thread. Smaller: to start a thread takes longer than it saves.
+constexpr std::size_t kBodiesOfThread = 8;
 
 /// The place of a body's round surface that faces a direction, from a place of it on; none where it
 /// is flat there, and of compounds.
@@ -239,65 +246,66 @@ void apply(std::vector<Correction>& corrections) {
   }
 }
 
-}  // namespace
+/// Examines the contacts of one body after another.
+class Examiner {
+ public:
+  /// Finds those of one body that are at seams: one of `seams` for each, in order. Returns whether
+  /// there are any.
+  bool find(std::span<const Touching> of_body, double time_step,
+            std::span<std::optional<Seam>> seams);
 
-struct Seams::Scratch {
-  std::vector<Touching> touching;
-  std::vector<Neighbor> neighbors;
-  std::vector<Plane> planes;
-  std::vector<Correction> corrections;
-  SeamlessBodies seamless;
-
-  void find(std::span<const Touching> of_body, double time_step);
+ private:
   void find_planes(std::span<const Touching> of_body);
   std::optional<Seam> seam_of(Touch touch, Neighbor& body, const btCollisionObject& other,
                               double time_step);
+
+  std::vector<Neighbor> neighbors_;
+  std::vector<Plane> planes_;
 };
 
-/// Finds the contacts of one body that are at seams.
-void Seams::Scratch::find(std::span<const Touching> of_body, double time_step) {
-  if (seamless.hold(of_body, time_step)) return;
+bool Examiner::find(std::span<const Touching> of_body, double time_step,
+                    std::span<std::optional<Seam>> seams) {
   const btCollisionObject& body = *of_body.front().body;
-  const std::size_t corrections_before = corrections.size();
-  neighbors.clear();
+  neighbors_.clear();
   for (const Touching& each : of_body) {
     const bool is_known = std::ranges::any_of(
-        neighbors, [&](const Neighbor& known) { return &known.body() == each.other; });
-    if (!is_known) neighbors.emplace_back(*each.other, time_step);
+        neighbors_, [&](const Neighbor& known) { return &known.body() == each.other; });
+    if (!is_known) neighbors_.emplace_back(*each.other, time_step);
   }
   Neighbor sliding(body, time_step);
   find_planes(of_body);
+  bool has_seams = false;
+  auto seam = seams.begin();
   for (const Touching& each : of_body) {
     const bool is_first = each.manifold->getBody0() == &body;
-    for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
+    for (int i = 0; i < each.manifold->getNumContacts(); ++i, ++seam) {
       const Touch touch = touch_of(each.manifold->getContactPoint(i), is_first);
-      if (const auto seam = seam_of(touch, sliding, *each.other, time_step)) {
-        corrections.push_back({each.manifold, i, is_first, *seam});
-      }
+      *seam = seam_of(touch, sliding, *each.other, time_step);
+      has_seams = has_seams || seam->has_value();
     }
   }
-  seamless.keep(/*has_seams=*/corrections.size() > corrections_before);
+  return has_seams;
 }
 
 /// The planes of what the body touches, those of most contacts first.
-void Seams::Scratch::find_planes(std::span<const Touching> of_body) {
-  planes.clear();
+void Examiner::find_planes(std::span<const Touching> of_body) {
+  planes_.clear();
   for (const Touching& each : of_body) {
     const bool is_first = each.manifold->getBody0() == each.body;
     const double step = kSeamStep * std::min(radius_of(*each.body), radius_of(*each.other));
     for (int i = 0; i < each.manifold->getNumContacts(); ++i) {
-      add_plane(touch_of(each.manifold->getContactPoint(i), is_first), step, planes);
+      add_plane(touch_of(each.manifold->getContactPoint(i), is_first), step, planes_);
     }
   }
-  std::ranges::stable_sort(planes, std::ranges::greater{}, &Plane::count);
+  std::ranges::stable_sort(planes_, std::ranges::greater{}, &Plane::count);
 }
 
-/// The seam that a touch of the body with one of its neighbors is at.
-std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
-                                            const btCollisionObject& other, double time_step) {
+/// The seam that a touch of the body with one of its neighbors_ is at.
+std::optional<Seam> Examiner::seam_of(Touch touch, Neighbor& body, const btCollisionObject& other,
+                                      double time_step) {
   const double radius = body.radius();
   const auto touched =
-      std::ranges::find(neighbors, &other, [](const Neighbor& n) { return &n.body(); });
+      std::ranges::find(neighbors_, &other, [](const Neighbor& n) { return &n.body(); });
   const Vec3 velocity =
       body.motion().velocity_at(touch.on_body) - touched->motion().velocity_at(touch.on_body);
   const Vec3 velocity_of_forces =
@@ -307,9 +315,9 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
   // Where four bodies meet, a contact may be at several seams. A contact with a corner may also
   // lean over the face of the very body that the corner is of.
   std::optional<Seam> found;
-  const int rounds = neighbors.size() > 1 ? kSeamRounds : 0;  // seams are of two bodies
+  const int rounds = neighbors_.size() > 1 ? kSeamRounds : 0;  // seams are of two bodies
   for (int round = 0; round < rounds; ++round) {
-    for (Neighbor& beside : neighbors) {
+    for (Neighbor& beside : neighbors_) {
       const double least = std::min({radius, touched->radius(), beside.radius()});
       const double reach = 2.0 * kSeamReach * least + length(arrival.fall);
       if (!beside.may_be_near(arrival.place, reach) || beside.distance(arrival.place) > reach) {
@@ -326,7 +334,56 @@ std::optional<Seam> Seams::Scratch::seam_of(Touch touch, Neighbor& body,
     if (!found) break;
   }
   if (found) return found;
-  return find_parting(touch, arrival, planes, std::min(radius, touched->radius()), body, *touched);
+  return find_parting(touch, arrival, planes_, std::min(radius, touched->radius()), body, *touched);
+}
+
+/// The touches of one body, and where those of its contacts are among all.
+struct BodyTouches {
+  std::span<const Touching> touching;
+  std::size_t first;
+  std::size_t count;
+  SeamlessBody* kept;
+};
+
+}  // namespace
+
+struct Seams::Scratch {
+  std::vector<Touching> touching;
+  std::vector<BodyTouches> bodies;
+  std::vector<std::optional<Seam>> seams;  ///< of each contact of each body
+  std::vector<Correction> corrections;
+  SeamlessBodies seamless;
+
+  void list_bodies();
+  void list_corrections();
+};
+
+void Seams::Scratch::list_bodies() {
+  bodies.clear();
+  std::size_t contacts = 0;
+  for (auto first = touching.begin(); first != touching.end();) {
+    const auto last = std::find_if(first, touching.end(),
+                                   [&](const Touching& each) { return each.body != first->body; });
+    std::size_t count = 0;
+    for (const Touching& each : std::span(first, last)) {
+      count += static_cast<std::size_t>(each.manifold->getNumContacts());
+    }
+    bodies.push_back({{first, last}, contacts, count, &seamless.of(*first->body)});
+    contacts += count;
+    first = last;
+  }
+  seams.assign(contacts, std::nullopt);
+}
+
+void Seams::Scratch::list_corrections() {
+  corrections.clear();
+  auto seam = seams.begin();
+  for (const Touching& each : touching) {
+    const bool is_first = each.manifold->getBody0() == each.body;
+    for (int i = 0; i < each.manifold->getNumContacts(); ++i, ++seam) {
+      if (*seam) corrections.push_back({each.manifold, i, is_first, **seam});
+    }
+  }
 }
 
 Seams::Seams() : scratch_(std::make_unique<Scratch>()) {}
@@ -334,18 +391,21 @@ Seams::Seams() : scratch_(std::make_unique<Scratch>()) {}
 Seams::~Seams() = default;
 
 void Seams::correct(btDispatcher& dispatcher, double time_step) {
-  std::vector<Touching>& touching = scratch_->touching;
-  collect(dispatcher, touching);
-  scratch_->corrections.clear();
-  scratch_->seamless.begin();
-  for (auto first = touching.begin(); first != touching.end();) {
-    const auto last = std::find_if(first, touching.end(),
-                                   [&](const Touching& each) { return each.body != first->body; });
-    scratch_->find({first, last}, time_step);
-    first = last;
-  }
-  scratch_->seamless.end();
-  apply(scratch_->corrections);
+  Scratch& scratch = *scratch_;
+  collect(dispatcher, scratch.touching);
+  scratch.seamless.begin();
+  scratch.list_bodies();
+  const auto examine = [&](const BodyTouches& of_body) {
+    if (of_body.kept->hold(of_body.touching, time_step)) return;
+    const auto seams = std::span(scratch.seams).subspan(of_body.first, of_body.count);
+    of_body.kept->keep(of_this_thread<Examiner>().find(of_body.touching, time_step, seams));
+  };
+  const auto* const parallel = dynamic_cast<const ParallelDispatcher*>(&dispatcher);
+  run_on_threads(scratch.bodies.size(), parallel != nullptr ? parallel->threads() : 1,
+                 kBodiesOfThread, "seams", [&](std::size_t i) { examine(scratch.bodies[i]); });
+  scratch.seamless.end();
+  scratch.list_corrections();
+  apply(scratch.corrections);
 }
 
 }  // namespace voxshell::bullet

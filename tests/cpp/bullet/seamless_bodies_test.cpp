@@ -42,8 +42,9 @@ struct BallBetweenTwo {
   /// A step in which the body is examined if need be.
   bool is_passed_over() {
     bodies.begin();
-    const bool holds = bodies.hold(touching(), kTimeStep);
-    if (!holds) bodies.keep(/*has_seams=*/false);
+    SeamlessBody& kept = bodies.of(*body);
+    const bool holds = kept.hold(touching(), kTimeStep);
+    if (!holds) kept.keep(/*has_seams=*/false);
     bodies.end();
     return holds;
   }
@@ -104,8 +105,9 @@ TEST(SeamlessBodies, WithSeamsAreExaminedInEveryStep) {
   BallBetweenTwo scene;
   for (int i = 0; i < 3; ++i) {
     scene.bodies.begin();
-    EXPECT_FALSE(scene.bodies.hold(scene.touching(), kTimeStep));
-    scene.bodies.keep(/*has_seams=*/true);
+    SeamlessBody& kept = scene.bodies.of(*scene.body);
+    EXPECT_FALSE(kept.hold(scene.touching(), kTimeStep));
+    kept.keep(/*has_seams=*/true);
     scene.bodies.end();
   }
 }

@@ -9,7 +9,8 @@ namespace voxshell::bullet {
 
 class Support;
 
-/// A dispatcher that searches for the contacts of models on several threads. Use it in place of
+/// A dispatcher that searches for the contacts of models on several threads, and on which a
+/// SeamlessWorld examines bodies at seams on as many. Use it in place of
 /// btCollisionDispatcher, with a CollisionConfiguration. The calling thread puts the contacts into
 /// manifolds in the order of Bullet's pairs, so a world has the same bits on any number of threads.
 /// Pairs without a model, compounds and Bullet's triangle meshes are handled as before. It also
@@ -25,6 +26,8 @@ class ParallelDispatcher : public btCollisionDispatcher {
   void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
                                  btDispatcher* dispatcher) override;
 
+  /// How many are used at most, the calling one included.
+  unsigned threads() const { return threads_; }
   /// Seconds that the last dispatch spent on several threads.
   double parallel_seconds() const { return parallel_seconds_; }
   /// What carried the bodies in the last step, from the start of a dispatch on.
