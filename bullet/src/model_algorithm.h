@@ -51,7 +51,9 @@ class ModelAlgorithm : public btCollisionAlgorithm {
                double time_step, StageClock* clock);
   /// Forgets what was prepared, for steps in which nobody calls processCollision().
   void drop_prepared() { is_prepared_ = false; }
-  /// Whether the last step searched for contacts. The next one is likely to, and takes a while.
+  /// Whether the bodies were near each other in the last step.
+  bool is_near() const { return near_ != nullptr; }
+  /// Whether the last step searched for contacts, which takes a while.
   bool has_searched() const;
 
  private:

@@ -78,6 +78,9 @@ void ParallelDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs
 
 void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatcherInfo& info) {
   const btBroadphasePairArray& all = pairs.getOverlappingPairArray();
+  // Pairs of a heap that trembles search in every other step or so. Which of them will is not
+  // known, but about as many as before.
+  std::size_t searches = 0;
   for (int i = 0; i < all.size(); ++i) {
     const btBroadphasePair& pair = all[i];
     if (pair.m_algorithm == nullptr || typeid(*pair.m_algorithm) != typeid(ModelAlgorithm))
@@ -85,20 +88,23 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
     auto* const algorithm = static_cast<ModelAlgorithm*>(pair.m_algorithm);
     const btCollisionObject& a = object_of(*pair.m_pProxy0);
     const btCollisionObject& b = object_of(*pair.m_pProxy1);
-    if (!algorithm->has_searched() || has_triangles(a) || has_triangles(b) ||
+    if (!algorithm->is_near() || has_triangles(a) || has_triangles(b) ||
         !needsCollision(&a, &b)) {
       continue;
     }
     jobs_.push_back({algorithm, &a, &b});
+    if (algorithm->has_searched()) ++searches;
   }
-  if (jobs_.size() < 2 * kPairsOfThread) {
+  const auto threads =
+      static_cast<unsigned>(std::min<std::size_t>(threads_, searches / kPairsOfThread));
+  if (threads < 2) {
     jobs_.clear();
     return;
   }
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto time_step = static_cast<double>(info.m_timeStep);
-  run_on_threads(jobs_.size(), threads_, kPairsOfThread, "contacts",
+  run_on_threads(jobs_.size(), threads, kPairsOfThread, "contacts",
                  [&](std::size_t i) { jobs_[i].prepare(time_step); });
   parallel_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
 }
