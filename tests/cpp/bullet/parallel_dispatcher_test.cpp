@@ -7,7 +7,6 @@
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
-#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 #include <gtest/gtest.h>
 
 #include "support/models.h"
@@ -16,6 +15,7 @@
 #include "voxshell/bullet/collision_configuration.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/model_shape.h"
+#include "voxshell/bullet/seamless_world.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -35,7 +35,7 @@ Heap drop_heap(unsigned threads) {
   ParallelDispatcher dispatcher(&configuration, threads);
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  SeamlessWorld<> world(&dispatcher, &broadphase, &solver, &configuration);
   world.getDispatchInfo().m_deterministicOverlappingPairs = true;
   ModelShape ground(slab_model());
   ModelShape blob(blob_model());

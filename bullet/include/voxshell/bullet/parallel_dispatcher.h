@@ -9,13 +9,13 @@ namespace voxshell::bullet {
 
 class Support;
 
-/// A dispatcher that searches for the contacts of models on several threads, and on which a
-/// SeamlessWorld examines bodies at seams on as many. Use it in place of
-/// btCollisionDispatcher, with a CollisionConfiguration. The calling thread puts the contacts into
-/// manifolds in the order of Bullet's pairs, so a world has the same bits on any number of threads.
-/// Pairs without a model, compounds and Bullet's triangle meshes are handled as before. It also
-/// tells pairs which bodies contacts carry, so that what lies still needs no CCD at low rates, on
-/// one thread as well: docs/decisions/0059-what-contacts-carry-does-not-fall.md.
+/// A dispatcher that searches for the contacts of models on several threads. A SeamlessWorld
+/// examines bodies at seams on as many. Use it in place of btCollisionDispatcher, with a
+/// CollisionConfiguration. The calling thread puts the contacts into manifolds in the order of
+/// Bullet's pairs, so a world has the same bits on any number of threads. Pairs without a model,
+/// compounds and Bullet's triangle meshes are handled as before. It also tells pairs which bodies
+/// contacts carry, so that what lies still needs no CCD at low rates, on one thread as well:
+/// docs/decisions/0059-what-contacts-carry-does-not-fall.md.
 /// gCalculateCombinedRestitutionCallback is called on these threads.
 class ParallelDispatcher : public btCollisionDispatcher {
  public:
