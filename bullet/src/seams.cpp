@@ -211,12 +211,16 @@ void turn(btManifoldPoint& point, const Correction& correction) {
   const auto facing = facing_place(body, on_body, -normal);
   const double below = facing ? dot(on_body - *facing, normal) : 0.0;
   // Below the plane it is a place of something else.
-  if (facing && gap - below >= std::min(gap, 0.0) - kSeamStep * radius_of(body)) {
+  const double step =
+      kSeamStep * std::min(radius_of(*manifold.getBody0()), radius_of(*manifold.getBody1()));
+  if (facing && gap - below >= std::min(gap, 0.0) - step) {
     gap -= below;
     on_body = *facing;
     (correction.of_first ? point.m_positionWorldOnA : point.m_positionWorldOnB) =
         to_bullet(on_body);
   }
+  // What does not touch the other body is not in it, nor is what touches deeper than it was found.
+  gap = std::max(gap, std::min(static_cast<double>(point.getDistance()), 0.0));
   const btVector3 on_other = to_bullet(on_body - gap * normal);
   (correction.of_first ? point.m_positionWorldOnB : point.m_positionWorldOnA) = on_other;
   point.m_normalWorldOnB = to_bullet(correction.of_first ? normal : -normal);

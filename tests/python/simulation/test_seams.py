@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from functools import cache
 
+import manifold3d as m3
 import numpy as np
 import pytest
 import voxshell as vx
@@ -12,6 +13,8 @@ from scipy.spatial.transform import Rotation
 from shapely import box as rectangle
 from trimesh.convex import convex_hull
 from trimesh.creation import box, cylinder, extrude_polygon, icosphere, torus
+from voxshell_studies.scenes.gear import make_gear
+from voxshell_studies.scenes.solids import as_mesh
 
 RATES = (1000, 200, 60, 30)
 TILE = 0.4  # side of a tile, metres
@@ -256,3 +259,34 @@ def test_a_cube_slides_off_an_equal_one_of_another_kind(below, rate):
 
     world.step(steps, before=pull)
     assert body.linear_velocity[0] / (steps / rate) == pytest.approx(0.25 * 9.81, rel=0.05)
+
+
+def gear_model(solid: m3.Manifold) -> vx.Model:
+    return vx.Model.from_mesh(as_mesh(solid), voxel_size=0.0004, cache=False)
+
+
+@pytest.mark.filterwarnings("ignore::voxshell.AccuracyWarning")
+@pytest.mark.parametrize("speed", [13 / 14, 67 / 70])  # turns/s
+def test_contacts_that_are_turned_are_no_deeper_than_before(speed):
+    # 12 teeth drive 24, on a plate with pins. Edges of teeth touch the plate and the other gear.
+    rate, teeth, distance = 500, (12, 24), 0.036
+    plate = m3.Manifold.cube((0.12, 0.07, 0.004), center=True).translate((0.018, 0, -0.002))
+    for x in (0.0, distance):
+        pin = m3.Manifold.cylinder(0.011, 0.0039, circular_segments=96)
+        plate += pin.translate((x, 0, -0.001))
+    world = vx.World(time_step=1 / rate, sleeping=False)
+    world.add(gear_model(plate), mass=0.0, friction=0.1)
+    models = [gear_model(make_gear(n, 0.002, 0.008, 0.004, 0.0002)) for n in teeth]
+    meshed = vx.pose((distance, 0.0, 0.0), euler=(0.0, 0.0, math.pi / 24))
+    small = world.add(models[0], mass=0.05, friction=0.1)
+    world.add(models[1], mass=0.2, pose=meshed, friction=0.1)
+    inertia = models[0].mass_properties(0.05).inertia[2, 2]
+    deepest = 0.0
+    for i in range(1000):
+        missing = 2.0 * math.pi * speed - small.angular_velocity[2]
+        small.apply_torque((0.0, 0.0, float(np.clip(missing * inertia * rate, -0.05, 0.05))))
+        world.step(1)
+        if i >= 50:  # the pins begin in the gears
+            deepest = max(deepest, world.contacts()["depth"].max(initial=0.0))
+    assert small.angular_velocity[2] > 0.8 * 2.0 * math.pi * speed
+    assert deepest < 4e-5
