@@ -88,8 +88,7 @@ void ParallelDispatcher::prepare(btOverlappingPairCache& pairs, const btDispatch
     auto* const algorithm = static_cast<ModelAlgorithm*>(pair.m_algorithm);
     const btCollisionObject& a = object_of(*pair.m_pProxy0);
     const btCollisionObject& b = object_of(*pair.m_pProxy1);
-    if (!algorithm->is_near() || has_triangles(a) || has_triangles(b) ||
-        !needsCollision(&a, &b)) {
+    if (!algorithm->is_near() || has_triangles(a) || has_triangles(b) || !needsCollision(&a, &b)) {
       continue;
     }
     jobs_.push_back({algorithm, &a, &b});
