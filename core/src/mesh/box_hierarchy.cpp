@@ -55,10 +55,9 @@ BoxHierarchy::BoxHierarchy(std::span<const Bounds> items, double slack) {
   const auto set = [](Node& node, std::size_t k, const Vec3& lower, const Vec3& upper) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      node.lower[axis][k] =
-          std::nextafter(static_cast<float>(lower[static_cast<int>(axis)]), -kInfinity);
-      node.upper[axis][k] =
-          std::nextafter(static_cast<float>(upper[static_cast<int>(axis)]), kInfinity);
+      const int i3 = static_cast<int>(axis);
+      set_lane(node.lower[axis], k, std::nextafter(static_cast<float>(lower[i3]), -kInfinity));
+      set_lane(node.upper[axis], k, std::nextafter(static_cast<float>(upper[i3]), kInfinity));
     }
   };
   const auto clear = [](Node& node) {

@@ -54,7 +54,7 @@ class BoxEntry {
       first = maximum(first, minimum(a, b));
       last = minimum(last, maximum(a, b));
     }
-    return select(first <= last * kRounding && node.lower[0] <= node.upper[0], first, infinite);
+    return select((first <= last * kRounding) & (node.lower[0] <= node.upper[0]), first, infinite);
   }
 
  private:

@@ -55,12 +55,12 @@ ShellElements::ShellElements(std::span<const ShellElement> elements)
     const Vec3f along = e.to - e.from;
     const float squared = squared_length(along);
     if (squared > 0.0f) block.has_segments = true;
-    block.per_length[k] = squared > 0.0f ? 1.0f / squared : 0.0f;
+    set_lane(block.per_length, k, squared > 0.0f ? 1.0f / squared : 0.0f);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int i3 = static_cast<int>(axis);
-      block.from[axis][k] = e.from[i3];
-      block.along[axis][k] = along[i3];
-      block.normal[axis][k] = e.normal[i3];
+      set_lane(block.from[axis], k, e.from[i3]);
+      set_lane(block.along[axis], k, along[i3]);
+      set_lane(block.normal[axis], k, e.normal[i3]);
     }
   }
 }

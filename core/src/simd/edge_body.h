@@ -107,9 +107,7 @@ class EdgeSearches {
     for (int i = 0; i < kLanes; ++i) {
       const EdgeSearch& search = searches_[i < count_ ? i : 0];
       const Triple<float> place = place_on_edge(search.middle, search.half, search.place);
-      p.x[i] = place.x;
-      p.y[i] = place.y;
-      p.z[i] = place.z;
+      set_lane(p, i, place);
     }
     count_ = 0;
     distance = measure_places(posed, p, have_one_tag ? tags_[0] : 0, margin);
@@ -146,7 +144,7 @@ void refine_edges(const PosedView<V>& posed, const EdgeView& edges, const PointL
   for (uint32_t i = 0; i < pieces.count; ++i) {
     const Triple<float> middle{pieces.x[i], pieces.y[i], pieces.z[i]};
     const Triple<float> half = half_of(edges, pieces.id[i]);
-    ids[searches.count()] = static_cast<int32_t>(pieces.id[i]);
+    set_lane(ids, searches.count(), static_cast<int32_t>(pieces.id[i]));
     searches.begin(posed, edges, middle, half, pieces.tag[i], margin, margin);
     if (searches.is_full()) finish();
   }

@@ -140,7 +140,9 @@ VOXSHELL_INLINE NearestOnTriangle<F8> find_on_triangles(const EightTriangles& tr
 VOXSHELL_INLINE F8 measure_eight_triangles(const ListedTriangles& list, uint32_t first,
                                            const Triple<F8>& place) {
   I8 index{};
-  for (uint32_t i = 0; i < kLanes; ++i) index[i] = static_cast<int32_t>(list.index(first + i));
+  for (int i = 0; i < kLanes; ++i) {
+    set_lane(index, i, static_cast<int32_t>(list.index(first + static_cast<uint32_t>(i))));
+  }
   return find_on_triangles(load_triangles(list.triangles, index), place).squared_distance;
 }
 

@@ -295,7 +295,7 @@ VOXSHELL_INLINE I8 find_exact_lists(const ExactGridView& grid, const GridPlace<F
   }
   for (; lanes != 0; lanes &= lanes - 1) {
     const int lane = __builtin_ctz(lanes);
-    lists[lane] = static_cast<int32_t>(find_exact_list(grid, place, bricks[lane], lane));
+    set_lane(lists, lane, static_cast<int32_t>(find_exact_list(grid, place, bricks[lane], lane)));
   }
   return lists;
 }
@@ -324,10 +324,8 @@ inline ExactValue<F8> evaluate_lists(const ExactGridView& grid, const Triple<F8>
     const int lane = __builtin_ctz(lanes);
     const ListedTriangles triangles = triangles_of(grid, static_cast<uint32_t>(lists[lane]));
     const ExactValue<float> exact = evaluate_triangles(triangles, p.x[lane], p.y[lane], p.z[lane]);
-    value.distance[lane] = exact.distance;
-    value.gradient.x[lane] = exact.gradient.x;
-    value.gradient.y[lane] = exact.gradient.y;
-    value.gradient.z[lane] = exact.gradient.z;
+    set_lane(value.distance, lane, exact.distance);
+    set_lane(value.gradient, lane, exact.gradient);
   }
   return value;
 }

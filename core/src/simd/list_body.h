@@ -296,9 +296,7 @@ void complete(const PosedView<V>& posed, const TreeView& tree, const PointList& 
       const int lane = __builtin_ctz(lanes);
       const float* own =
           tree.normals + 3 * static_cast<uint64_t>(points.id[i + static_cast<uint32_t>(lane)]);
-      normal.x[lane] = -own[0];
-      normal.y[lane] = -own[1];
-      normal.z[lane] = -own[2];
+      set_lane(normal, lane, Triple<float>{-own[0], -own[1], -own[2]});
     }
     F8 rows[kLanes] = {load<F8>(reinterpret_cast<const float*>(points.id + i)),
                        -load<F8>(points.distance + i),

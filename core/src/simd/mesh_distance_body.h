@@ -216,7 +216,7 @@ inline Triangles gather_triangles(const Triangles& from, const int32_t* which, i
     for (int lane = 0; lane < 8; ++lane) {
       // The last block is filled up with the last triangle: it changes no least distance.
       const int32_t i = which[8 * block + (lane < present ? lane : present - 1)];
-      place[lane] = static_cast<int32_t>(i / 8 * kBlockFloats + i % 8);
+      set_lane(place, lane, static_cast<int32_t>(i / 8 * kBlockFloats + i % 8));
     }
     for (int f = 0; f < kTriangleFields; ++f) {
       store(target + 8 * f, gather(from.fields + 8 * f, place));
@@ -368,9 +368,7 @@ inline void compare_listed(const float* records, const uint32_t* listed, uint32_
   for (int lane = 0; lane < kLanes; ++lane) {
     const auto triangle = uint64_t{listed[at_least[lane]]};
     const float* record = records + triangle * kTriangleFloats + kRecordNormal;
-    normal.x[lane] = record[0];
-    normal.y[lane] = record[1];
-    normal.z[lane] = record[2];
+    set_lane(normal, lane, Triple<float>{record[0], record[1], record[2]});
   }
   const F8 farthest = square_root(least) + reach;
   const F8 limit = farthest * farthest;

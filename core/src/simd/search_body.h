@@ -248,10 +248,9 @@ inline void rank_seeds(const TreeView& tree, const Seeds& seeds, const ManifoldS
       const uint32_t index = seeds.nodes.index[i + lane];
       const Block block = load_block(tree, seeds.level - 1, index / kLanes, 0.0f);
       const float* sphere = block.data + index % kLanes;
-      centres.x[lane] = sphere[0];
-      centres.y[lane] = sphere[8];
-      centres.z[lane] = sphere[16];
-      radii[lane] = sphere[24];
+      const int to = static_cast<int>(lane);
+      set_lane(centres, to, Triple<float>{sphere[0], sphere[8], sphere[16]});
+      set_lane(radii, to, sphere[24]);
     }
     store(ranks + i, -score.evaluate_upper_bound(centres, radii));
   }

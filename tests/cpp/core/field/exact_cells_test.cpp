@@ -268,9 +268,7 @@ int expect_tight_bounds(const GridField& field, const View& view, const Vec3& ce
   Triple<F8> places{};
   for (int lane = 0; lane < kLanes; ++lane) {
     const auto p = static_cast<Vec3f>(centre + (lane % 4) * radius * random.direction());
-    places.x[lane] = p.x;
-    places.y[lane] = p.y;
-    places.z[lane] = p.z;
+    set_lane(places, lane, {p.x, p.y, p.z});
   }
   const auto radius_f = static_cast<float>(radius);
   const F8 bounds = evaluate_tight_bound(view, places, splat<F8>(radius_f), simd::kBrickCells);

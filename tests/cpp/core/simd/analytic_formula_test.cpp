@@ -74,10 +74,8 @@ TEST(AnalyticFormula, GivesEightPointsTheBitsOfOne) {
               for (int i = 0; i < kLanes; ++i) {
                 const Vec3f point = make_point(random);
                 points[static_cast<std::size_t>(i)] = point;
-                p.x[i] = point.x;
-                p.y[i] = point.y;
-                p.z[i] = point.z;
-                radius[i] = static_cast<float>(random.unit());
+                set_lane(p, i, {point.x, point.y, point.z});
+                set_lane(radius, i, static_cast<float>(random.unit()));
               }
               const auto eight = evaluate(view, p, radius);
               for (int i = 0; i < kLanes; ++i) {
