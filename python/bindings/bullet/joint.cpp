@@ -29,8 +29,13 @@ constexpr double kTurnBackSpeed = 1.0;   // rad/s
 /// Limits farther away than this are not reached within a step. Less than half a turn: Bullet takes
 /// angles for others that are whole turns away.
 constexpr double kFarLimit = 3.0;  // rad
+/// Fraction of what a spring gives way by within a step that it takes into account at least. More
+/// than 0: otherwise its force would not depend on the velocity, and its row would have no target.
+constexpr double kLeastForesight = 1e-5;
 
-/// Six axes and, where the joint is damped, a row that brakes along the axis of joints.
+}  // namespace
+
+/// Six axes and, where the joint has a spring or damping, a row for these along its axis.
 class AxesConstraint : public btGeneric6DofSpring2Constraint {
  public:
   AxesConstraint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
@@ -39,22 +44,27 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
       : btGeneric6DofSpring2Constraint(parent, child, parent_from_joint, child_from_joint),
         slides_(settings.kind == JointKind::kSlider),
         damping_(static_cast<btScalar>(settings.damping)),
+        stiffness_(static_cast<btScalar>(settings.stiffness)),
         solves_soft_rows_(solves_soft_rows) {}
 
   void getInfo1(btConstraintInfo1* info) override {
     btGeneric6DofSpring2Constraint::getInfo1(info);
     rows_ = info->m_numConstraintRows;
-    if (damping_ <= 0) return;
-    ++info->m_numConstraintRows;
+    if (is_soft()) ++info->m_numConstraintRows;
   }
 
   void getInfo2(btConstraintInfo2* info) override {
     btGeneric6DofSpring2Constraint::getInfo2(info);
     if (slides_ && !m_hasStaticBody) move_to_child(*info);
-    if (damping_ > 0) damp(*info, rows_ * info->rowskip);
+    if (is_soft()) add_spring(*info, rows_ * info->rowskip);
   }
 
+  /// @param stretch  Position at the start of the step, from where the spring is relaxed.
+  void set_stretch(double stretch) { stretch_ = static_cast<btScalar>(stretch); }
+
  private:
+  bool is_soft() const { return damping_ > 0 || stiffness_ > 0; }
+
   /// Bullet's constraint pushes across the axis at the parent's frame on the parent, and at the
   /// child's frame on the child. The farther these are apart, the larger the spurious torque: two
   /// freely rotating boxes flew apart within a second. Here both forces act at the child's frame.
@@ -71,10 +81,11 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
     }
   }
 
-  /// A row whose impulse is -damping * time step * the velocity after the step. The damper of
-  /// Bullet's constraint limits its impulse to what the velocity before the step asks for, and so
-  /// does nothing while another force slows the joint by more.
-  void damp(btConstraintInfo2& info, int row) const {
+  /// A row whose impulse is -time step * (stiffness * (stretch + foresight * time step * v) +
+  /// damping * v) with the velocity v after the step. The springs and dampers of Bullet's
+  /// constraint use the velocity before the step: dampers do nothing while another force slows the
+  /// joint by more.
+  void add_spring(btConstraintInfo2& info, int row) const {
     const btVector3 axis = m_calculatedTransformA.getBasis().getColumn(0);
     const btVector3 place = m_calculatedTransformB.getOrigin();
     const btVector3 none(0, 0, 0);
@@ -90,13 +101,20 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
       info.m_J2linearAxis[row + i] = linear[i];
       info.m_J2angularAxis[row + i] = angular_b[i];
     }
-    info.m_constraintError[row] = 0;
-    const btScalar per_velocity = damping_ / info.fps;  // impulse
+    const btScalar h = 1 / info.fps;
+    // Velocity that a unit impulse changes.
+    const btScalar change = (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
+                            angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
+                            angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
+    // Squared phase of the spring's oscillation per step. Without foresight oscillations keep their
+    // energy, and diverge from 2 radians on; with full foresight they die away.
+    const btScalar phase2 = h * h * stiffness_ * change;
+    const btScalar foresight = btMax(btScalar(kLeastForesight), 1 - 1 / btMax(phase2, btScalar(1)));
+    const btScalar per_velocity = h * damping_ + foresight * h * h * stiffness_;  // impulse
+    const btScalar target = -h * stiffness_ * stretch_ / per_velocity;  // where the impulse is 0
+    info.m_constraintError[row] = target;
     if (solves_soft_rows_) {
-      // Relative to the velocity that a unit impulse changes.
-      const btScalar change = (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
-                              angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
-                              angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
+      // Relative to `change`.
       if (change > 0) info.cfm[row] = 1 / (per_velocity * change);
       return;
     }
@@ -106,17 +124,17 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
         linear.dot(m_rbB.getVelocityInLocalPoint(place - m_rbB.getCenterOfMassPosition()) -
                    m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
         (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
-    info.m_upperLimit[row] = per_velocity * btFabs(velocity);
+    info.m_upperLimit[row] = per_velocity * btFabs(velocity - target);
     info.m_lowerLimit[row] = -info.m_upperLimit[row];
   }
 
   bool slides_;
   btScalar damping_;
+  btScalar stiffness_;
+  btScalar stretch_ = 0;
   bool solves_soft_rows_;
   int rows_ = 0;
 };
-
-}  // namespace
 
 Joint::Joint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
              btRigidBody& child, const btTransform& parent_from_joint,
@@ -254,6 +272,7 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
   if (!has_axis()) return;
   const double position = unwrap();
   set_limits(position, time_step);
+  axes_->set_stretch(position - settings_.spring_position);
 
   double velocity = 0.0;
   const auto towards = [&](double target, double speed) {

@@ -24,9 +24,11 @@ struct JointSettings {
   Pose child_from_joint;
   double lower = 1.0;  ///< above `upper`: no limits
   double upper = -1.0;
-  double friction = 0.0;  ///< while no motor drives the joint
-  double damping = 0.0;   ///< per m/s or rad/s
-  bool collides = false;  ///< true if its bodies collide with each other
+  double friction = 0.0;         ///< while no motor drives the joint
+  double damping = 0.0;          ///< per m/s or rad/s
+  double stiffness = 0.0;        ///< of a spring: per meter or radian
+  double spring_position = 0.0;  ///< where the spring is relaxed
+  bool collides = false;         ///< true if its bodies collide with each other
 
   static constexpr int kWorld = -1;
 };
@@ -56,7 +58,9 @@ struct JointReaction {
   Vec3 torque;
 };
 
-/// One of Bullet's constraints with additions: turns beyond pi, and motors with a target.
+class AxesConstraint;
+
+/// One of Bullet's constraints with additions: turns beyond pi, springs, and motors with a target.
 class Joint {
  public:
   /// `parent_from_joint` and `child_from_joint` are in the frames of Bullet's bodies.
@@ -114,7 +118,7 @@ class Joint {
   btTransform parent_from_joint_;
   btTransform child_from_joint_;
   std::unique_ptr<btTypedConstraint> constraint_;
-  btGeneric6DofSpring2Constraint* axes_ = nullptr;  ///< for all kinds but kPoint
+  AxesConstraint* axes_ = nullptr;  ///< for all kinds but kPoint
   btJointFeedback feedback_{};
   double position_ = 0.0;  ///< after the last step
 };

@@ -164,9 +164,9 @@ class Assembly:
     ) -> Joint | None:
         match joint.type:
             case "revolute" | "continuous":
-                kind = HingeJoint(joint.axis, joint.limits, joint.friction, joint.damping)
+                kind = HingeJoint(joint.axis, joint.limits, **_soft(joint))
             case "prismatic":
-                kind = SliderJoint(joint.axis, joint.limits, joint.friction, joint.damping)
+                kind = SliderJoint(joint.axis, joint.limits, **_soft(joint))
             case "spherical":
                 kind = PointJoint()
             case _:
@@ -249,6 +249,11 @@ class Assembly:
             said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
         if said:
             warn_user(f"{shorten_path(robot.path)} {', and '.join(said)}", RobotWarning)
+
+
+def _soft(joint: JointDescription) -> dict[str, float]:
+    names = ("friction", "damping", "stiffness", "spring_position")
+    return {name: getattr(joint, name) for name in names}
 
 
 def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:

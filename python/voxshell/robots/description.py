@@ -151,6 +151,8 @@ class JointDescription:
     friction: float = 0.0
     damping: float = 0.0
     mimic: tuple[str, float, float] | None = None
+    stiffness: float = 0.0
+    spring_position: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     from voxshell.scenes.body_settings import BodySettings
     from voxshell.simulation.joint_kinds import JointKind
 
-_OF_AN_AXIS = ("axis", "limits", "friction", "damping", "target_velocity", "target_position")
+_OF_AN_AXIS = (
+    "axis",
+    "limits",
+    "friction",
+    "damping",
+    "stiffness",
+    "spring_position",
+    "target_velocity",
+    "target_position",
+)
 
 
 @dataclass(frozen=True)
@@ -34,7 +43,8 @@ class JointSettings:
             origin by default.
         axis: Of a hinge or slider, three numbers, world frame at the start.
         limits: Lowest and highest position of a hinge, radians, or slider, meters; 0 is the start.
-        friction, damping: As for :class:`voxshell.HingeJoint` and :class:`voxshell.SliderJoint`.
+        friction, damping, stiffness, spring_position: As for :class:`voxshell.HingeJoint` and
+            :class:`voxshell.SliderJoint`.
         target_velocity: Velocity of the motor, rad/s or m/s.
         target_position: Alternative to it: position that the motor holds, radians or meters.
         max_force: Largest torque or force of the motor, newton meters or newtons.
@@ -49,6 +59,8 @@ class JointSettings:
     limits: tuple[float, ...] | None = None
     friction: float | None = None
     damping: float | None = None
+    stiffness: float | None = None
+    spring_position: float | None = None
     target_velocity: float | None = None
     target_position: float | None = None
     max_force: float | None = None
@@ -68,10 +80,14 @@ class JointSettings:
             check_vector(self.limits, "limits", 2)
             if self.limits[0] > self.limits[1]:
                 raise SettingsError(f"limits must be in order, not {list(self.limits)}")
-        for name in ("friction", "damping"):
+        for name in ("friction", "damping", "stiffness"):
             value = getattr(self, name)
             if value is not None:
                 as_not_negative(value, name)
+        if self.spring_position is not None:
+            as_real(self.spring_position, "spring_position")
+            if self.stiffness is None:
+                raise SettingsError("spring_position needs a stiffness")
         self._check_motor()
 
     def _check_motor(self) -> None:
@@ -109,6 +125,8 @@ class JointSettings:
             limits=limits,
             friction=self.friction or 0.0,
             damping=self.damping or 0.0,
+            stiffness=self.stiffness or 0.0,
+            spring_position=self.spring_position or 0.0,
         )
 
     def place(self, child: BodySettings) -> NDArray[np.float64]:

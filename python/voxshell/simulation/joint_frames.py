@@ -78,13 +78,15 @@ def make_settings(
             f"{type(kind).__name__}"
         )
     parent_from_joint, child_from_joint = frames.resolve(parent, child)
-    lower, upper, friction, damping = 1.0, -1.0, 0.0, 0.0
+    lower, upper = 1.0, -1.0
+    friction = damping = stiffness = spring_position = 0.0
     if isinstance(kind, (HingeJoint, SliderJoint)):
         # In the bindings, the axis is x.
         turn = np.eye(4)
         turn[:3, :3] = _frame_along(kind.axis)
         parent_from_joint, child_from_joint = parent_from_joint @ turn, child_from_joint @ turn
         friction, damping = float(kind.friction), float(kind.damping)
+        stiffness, spring_position = float(kind.stiffness), float(kind.spring_position)
         if kind.limits is not None:
             lower, upper = (float(limit) for limit in kind.limits)
     return _bullet.JointSettings(
@@ -97,6 +99,8 @@ def make_settings(
         upper=upper,
         friction=friction,
         damping=damping,
+        stiffness=stiffness,
+        spring_position=spring_position,
         collides=collide,
     )
 

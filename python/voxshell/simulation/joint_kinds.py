@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_floats, as_not_negative, as_vector
+from voxshell.base.arguments import as_floats, as_not_negative, as_real, as_vector
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -66,6 +66,9 @@ class HingeJoint:
             joint that begins outside turns back at up to 1 rad/s.
         friction: Friction torque while no motor drives the joint, newton meters.
         damping: Torque against the motion, newton meters per rad/s.
+        stiffness: Of a spring that turns the joint to ``spring_position``, newton meters per
+            radian; 0 for no spring. Motors, friction and limits act beside it.
+        spring_position: Angle at which the spring is relaxed, radians.
 
     Raises:
         SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
@@ -87,6 +90,8 @@ class HingeJoint:
     limits: tuple[float, float] | None = None
     friction: float = 0.0
     damping: float = 0.0
+    stiffness: float = 0.0
+    spring_position: float = 0.0
 
     _kind: ClassVar = _bullet.JointKind.HINGE
 
@@ -104,6 +109,9 @@ class SliderJoint:
             slides back at up to 0.1 m/s.
         friction: Friction force while no motor drives the joint, newtons.
         damping: Force against the motion, newtons per m/s.
+        stiffness: Of a spring that moves the joint to ``spring_position``, newtons per meter; 0 for
+            no spring. Motors, friction and limits act beside it.
+        spring_position: Position at which the spring is relaxed, meters.
 
     Raises:
         SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
@@ -124,6 +132,8 @@ class SliderJoint:
     limits: tuple[float, float] | None = None
     friction: float = 0.0
     damping: float = 0.0
+    stiffness: float = 0.0
+    spring_position: float = 0.0
 
     _kind: ClassVar = _bullet.JointKind.SLIDER
 
@@ -148,5 +158,6 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
                 f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
                 "pass None for no limits"
             )
-    for name in ("friction", "damping"):
+    for name in ("friction", "damping", "stiffness"):
         as_not_negative(getattr(joint, name), name)
+    as_real(joint.spring_position, "spring_position")

@@ -96,6 +96,8 @@ def read_joint(
         element.refuse("has a damping or frictionloss below 0")
     _note_left_out(element, kind, place.name, limits, (damping, friction), left_out)
     has_axis = kind in ("revolute", "prismatic")
+    # In radians even where the file has degrees: newton meters per radian.
+    stiffness = _read_first(element, "stiffness") if has_axis else 0.0
     if limits is not None and has_axis:
         limits = limits[0] * unit, limits[1] * unit
     position = (element.number("ref") or 0.0) * unit if has_axis else 0.0
@@ -124,6 +126,8 @@ def read_joint(
         friction,
         damping,
         None,
+        max(stiffness, 0.0),
+        (element.number("springref") or 0.0) * unit,
     )
 
 
@@ -152,9 +156,13 @@ def _note_left_out(
     losses: tuple[float, float],
     left_out: LeftOut,
 ) -> None:
-    for attribute in ("stiffness", "armature"):
-        if _read_first(element, attribute):
-            left_out.note(f"joint {attribute}", name)
+    if _read_first(element, "armature"):
+        left_out.note("joint armature", name)
+    stiffness = element.numbers("stiffness", _POLYNOMIAL) or [0.0]
+    if any(stiffness) and kind in ("floating", "spherical"):
+        left_out.note("stiffness of ball and free joints", name)
+    elif stiffness[0] < 0.0 or any(stiffness[1:]):
+        left_out.note("joint stiffness that is below 0 or of a higher order", name)
     if "springdamper" in element.attributes:
         left_out.note("joint springdamper", name)
     if kind in ("floating", "spherical") and element.tag != "freejoint":

@@ -32,6 +32,14 @@ def test_hinges_and_slides_have_axis_limits_and_losses(load):
     assert robot.joints["a"].kind.limits == (-90.0, 45.0)
 
 
+def test_hinges_and_slides_have_springs(load):
+    kind = load("<joint name='a' stiffness='4' springref='90'/>").joints["a"].kind
+    assert (kind.stiffness, kind.spring_position) == (4.0, pytest.approx(math.pi / 2))
+    kind = load("<joint name='a' type='slide' stiffness='4' springref='0.2'/>").joints["a"].kind
+    assert (kind.stiffness, kind.spring_position) == (4.0, 0.2)
+    assert load("<joint name='a' stiffness='-4'/>").joints["a"].kind.stiffness == 0.0
+
+
 def test_limits_need_a_range_and_consent(load):
     for text, compiler, limited in (
         ("range='0 1'", "", True),
