@@ -20,7 +20,7 @@ void bind_joints(nb::module_& module) {
           [](JointSettings* self, JointKind kind, int parent, int child,
              const PoseMatrix& parent_from_joint, const PoseMatrix& child_from_joint, double lower,
              double upper, double friction, double damping, double stiffness,
-             double spring_position, bool collides) {
+             double spring_position, double armature, bool collides) {
             new (self) JointSettings{kind,
                                      parent,
                                      child,
@@ -32,12 +32,13 @@ void bind_joints(nb::module_& module) {
                                      damping,
                                      stiffness,
                                      spring_position,
+                                     armature,
                                      collides};
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("parent"), nb::arg("child"),
           nb::arg("parent_from_joint"), nb::arg("child_from_joint"), nb::arg("lower"),
           nb::arg("upper"), nb::arg("friction"), nb::arg("damping"), nb::arg("stiffness"),
-          nb::arg("spring_position"), nb::arg("collides"), InOrdinaryFloats());
+          nb::arg("spring_position"), nb::arg("armature"), nb::arg("collides"), InOrdinaryFloats());
 
   nb::enum_<MotorMode>(module, "MotorMode")
       .value("NONE", MotorMode::kNone)

@@ -35,7 +35,7 @@ constexpr double kLeastForesight = 1e-5;
 
 }  // namespace
 
-/// Six axes and, where the joint has a spring or damping, a row for these along its axis.
+/// Six axes and, where the joint has a spring, damping or armature, a row for these along its axis.
 class AxesConstraint : public btGeneric6DofSpring2Constraint {
  public:
   AxesConstraint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& parent,
@@ -45,6 +45,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
         slides_(settings.kind == JointKind::kSlider),
         damping_(static_cast<btScalar>(settings.damping)),
         stiffness_(static_cast<btScalar>(settings.stiffness)),
+        armature_(static_cast<btScalar>(settings.armature)),
         solves_soft_rows_(solves_soft_rows) {}
 
   void getInfo1(btConstraintInfo1* info) override {
@@ -56,14 +57,14 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   void getInfo2(btConstraintInfo2* info) override {
     btGeneric6DofSpring2Constraint::getInfo2(info);
     if (slides_ && !m_hasStaticBody) move_to_child(*info);
-    if (is_soft()) add_spring(*info, rows_ * info->rowskip);
+    if (is_soft()) add_soft_row(*info, rows_ * info->rowskip);
   }
 
   /// @param stretch  Position at the start of the step, from where the spring is relaxed.
   void set_stretch(double stretch) { stretch_ = static_cast<btScalar>(stretch); }
 
  private:
-  bool is_soft() const { return damping_ > 0 || stiffness_ > 0; }
+  bool is_soft() const { return damping_ > 0 || stiffness_ > 0 || armature_ > 0; }
 
   /// Bullet's constraint pushes across the axis at the parent's frame on the parent, and at the
   /// child's frame on the child. The farther these are apart, the larger the spurious torque: two
@@ -82,10 +83,10 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   }
 
   /// A row whose impulse is -time step * (stiffness * (stretch + foresight * time step * v) +
-  /// damping * v) with the velocity v after the step. The springs and dampers of Bullet's
-  /// constraint use the velocity before the step: dampers do nothing while another force slows the
-  /// joint by more.
-  void add_spring(btConstraintInfo2& info, int row) const {
+  /// damping * v) - armature * (v - v0), with the velocities v0 before and v after the step. The
+  /// springs and dampers of Bullet's constraint use v0: dampers do nothing while another force
+  /// slows the joint by more.
+  void add_soft_row(btConstraintInfo2& info, int row) const {
     const btVector3 axis = m_calculatedTransformA.getBasis().getColumn(0);
     const btVector3 place = m_calculatedTransformB.getOrigin();
     const btVector3 none(0, 0, 0);
@@ -106,12 +107,18 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
     const btScalar change = (m_rbA.getInvMass() + m_rbB.getInvMass()) * linear.length2() +
                             angular_a.dot(m_rbA.getInvInertiaTensorWorld() * angular_a) +
                             angular_b.dot(m_rbB.getInvInertiaTensorWorld() * angular_b);
+    const btScalar velocity =
+        linear.dot(m_rbB.getVelocityInLocalPoint(place - m_rbB.getCenterOfMassPosition()) -
+                   m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
+        (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
     // Squared phase of the spring's oscillation per step. Without foresight oscillations keep their
     // energy, and diverge from 2 radians on; with full foresight they die away.
-    const btScalar phase2 = h * h * stiffness_ * change;
+    const btScalar phase2 = h * h * stiffness_ * change / (1 + armature_ * change);
     const btScalar foresight = btMax(btScalar(kLeastForesight), 1 - 1 / btMax(phase2, btScalar(1)));
-    const btScalar per_velocity = h * damping_ + foresight * h * h * stiffness_;  // impulse
-    const btScalar target = -h * stiffness_ * stretch_ / per_velocity;  // where the impulse is 0
+    const btScalar per_velocity =
+        armature_ + h * (damping_ + foresight * h * stiffness_);  // impulse
+    // Where the impulse is 0.
+    const btScalar target = (armature_ * velocity - h * stiffness_ * stretch_) / per_velocity;
     info.m_constraintError[row] = target;
     if (solves_soft_rows_) {
       // Relative to `change`.
@@ -120,10 +127,6 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
     }
     // Other solvers' impulses diverge on soft rows. This one is off by what the velocity changes
     // by within the step.
-    const btScalar velocity =
-        linear.dot(m_rbB.getVelocityInLocalPoint(place - m_rbB.getCenterOfMassPosition()) -
-                   m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
-        (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
     info.m_upperLimit[row] = per_velocity * btFabs(velocity - target);
     info.m_lowerLimit[row] = -info.m_upperLimit[row];
   }
@@ -131,6 +134,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   bool slides_;
   btScalar damping_;
   btScalar stiffness_;
+  btScalar armature_;
   btScalar stretch_ = 0;
   bool solves_soft_rows_;
   int rows_ = 0;

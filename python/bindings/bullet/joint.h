@@ -28,6 +28,7 @@ struct JointSettings {
   double damping = 0.0;          ///< per m/s or rad/s
   double stiffness = 0.0;        ///< of a spring: per meter or radian
   double spring_position = 0.0;  ///< where the spring is relaxed
+  double armature = 0.0;         ///< inertia along or about the axis, kg or kg m2
   bool collides = false;         ///< true if its bodies collide with each other
 
   static constexpr int kWorld = -1;

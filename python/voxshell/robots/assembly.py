@@ -252,7 +252,7 @@ class Assembly:
 
 
 def _soft(joint: JointDescription) -> dict[str, float]:
-    names = ("friction", "damping", "stiffness", "spring_position")
+    names = ("friction", "damping", "stiffness", "spring_position", "armature")
     return {name: getattr(joint, name) for name in names}
 
 

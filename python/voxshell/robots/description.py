@@ -153,6 +153,7 @@ class JointDescription:
     mimic: tuple[str, float, float] | None = None
     stiffness: float = 0.0
     spring_position: float = 0.0
+    armature: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ _OF_AN_AXIS = (
     "damping",
     "stiffness",
     "spring_position",
+    "armature",
     "target_velocity",
     "target_position",
 )
@@ -43,8 +44,8 @@ class JointSettings:
             origin by default.
         axis: Of a hinge or slider, three numbers, world frame at the start.
         limits: Lowest and highest position of a hinge, radians, or slider, meters; 0 is the start.
-        friction, damping, stiffness, spring_position: As for :class:`voxshell.HingeJoint` and
-            :class:`voxshell.SliderJoint`.
+        friction, damping, stiffness, spring_position, armature: As for
+            :class:`voxshell.HingeJoint` and :class:`voxshell.SliderJoint`.
         target_velocity: Velocity of the motor, rad/s or m/s.
         target_position: Alternative to it: position that the motor holds, radians or meters.
         max_force: Largest torque or force of the motor, newton meters or newtons.
@@ -61,6 +62,7 @@ class JointSettings:
     damping: float | None = None
     stiffness: float | None = None
     spring_position: float | None = None
+    armature: float | None = None
     target_velocity: float | None = None
     target_position: float | None = None
     max_force: float | None = None
@@ -80,7 +82,7 @@ class JointSettings:
             check_vector(self.limits, "limits", 2)
             if self.limits[0] > self.limits[1]:
                 raise SettingsError(f"limits must be in order, not {list(self.limits)}")
-        for name in ("friction", "damping", "stiffness"):
+        for name in ("friction", "damping", "stiffness", "armature"):
             value = getattr(self, name)
             if value is not None:
                 as_not_negative(value, name)
@@ -127,6 +129,7 @@ class JointSettings:
             damping=self.damping or 0.0,
             stiffness=self.stiffness or 0.0,
             spring_position=self.spring_position or 0.0,
+            armature=self.armature or 0.0,
         )
 
     def place(self, child: BodySettings) -> NDArray[np.float64]:

@@ -79,7 +79,7 @@ def make_settings(
         )
     parent_from_joint, child_from_joint = frames.resolve(parent, child)
     lower, upper = 1.0, -1.0
-    friction = damping = stiffness = spring_position = 0.0
+    friction = damping = stiffness = spring_position = armature = 0.0
     if isinstance(kind, (HingeJoint, SliderJoint)):
         # In the bindings, the axis is x.
         turn = np.eye(4)
@@ -87,6 +87,7 @@ def make_settings(
         parent_from_joint, child_from_joint = parent_from_joint @ turn, child_from_joint @ turn
         friction, damping = float(kind.friction), float(kind.damping)
         stiffness, spring_position = float(kind.stiffness), float(kind.spring_position)
+        armature = float(kind.armature)
         if kind.limits is not None:
             lower, upper = (float(limit) for limit in kind.limits)
     return _bullet.JointSettings(
@@ -101,6 +102,7 @@ def make_settings(
         damping=damping,
         stiffness=stiffness,
         spring_position=spring_position,
+        armature=armature,
         collides=collide,
     )
 

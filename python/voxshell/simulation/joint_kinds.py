@@ -69,6 +69,8 @@ class HingeJoint:
         stiffness: Of a spring that turns the joint to ``spring_position``, newton meters per
             radian; 0 for no spring. Motors, friction and limits act beside it.
         spring_position: Angle at which the spring is relaxed, radians.
+        armature: Moment of inertia of what turns with the joint, as a motor's rotor behind a gear
+            does: that of the rotor times the squared gear ratio, kg m2.
 
     Raises:
         SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
@@ -92,6 +94,7 @@ class HingeJoint:
     damping: float = 0.0
     stiffness: float = 0.0
     spring_position: float = 0.0
+    armature: float = 0.0
 
     _kind: ClassVar = _bullet.JointKind.HINGE
 
@@ -112,6 +115,7 @@ class SliderJoint:
         stiffness: Of a spring that moves the joint to ``spring_position``, newtons per meter; 0 for
             no spring. Motors, friction and limits act beside it.
         spring_position: Position at which the spring is relaxed, meters.
+        armature: Inertia of what moves with the joint, as a motor's rotor does, kg.
 
     Raises:
         SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
@@ -134,6 +138,7 @@ class SliderJoint:
     damping: float = 0.0
     stiffness: float = 0.0
     spring_position: float = 0.0
+    armature: float = 0.0
 
     _kind: ClassVar = _bullet.JointKind.SLIDER
 
@@ -158,6 +163,6 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
                 f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
                 "pass None for no limits"
             )
-    for name in ("friction", "damping", "stiffness"):
+    for name in ("friction", "damping", "stiffness", "armature"):
         as_not_negative(getattr(joint, name), name)
     as_real(joint.spring_position, "spring_position")

@@ -194,6 +194,7 @@ class World(ViewedWorld):
             simulation,
             moves_surfaces=solver == "coulomb" and directions == 2,
             takes_joints=solver != "nncg",
+            takes_armature=solver == "coulomb",
             judges_pairs=shell == "auto",
         )
 

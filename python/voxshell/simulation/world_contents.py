@@ -42,6 +42,7 @@ class WorldContents:
         "_moves_surfaces",
         "_pairs",
         "_simulation",
+        "_takes_armature",
         "_takes_joints",
     )
 
@@ -51,11 +52,13 @@ class WorldContents:
         *,
         moves_surfaces: bool,
         takes_joints: bool,
+        takes_armature: bool,
         judges_pairs: bool,
     ) -> None:
         self._simulation = simulation
         self._moves_surfaces = moves_surfaces
         self._takes_joints = takes_joints
+        self._takes_armature = takes_armature
         self._pairs = PairWatch() if judges_pairs else None
         self._bodies: list[Body] = []
         self._joints: list[Joint] = []
@@ -320,6 +323,11 @@ class WorldContents:
         if not self._takes_joints:
             raise SettingsError(
                 "Bullet's solver 'nncg' does not support joints: make the world with another solver"
+            )
+        if getattr(joint, "armature", 0.0) and not self._takes_armature:
+            raise SettingsError(
+                "Bullet's own solvers do not support the armature of joints: make the world with "
+                "the solver 'coulomb', the default"
             )
         if parent is not None:
             self._check_own(parent, "parent")

@@ -1,4 +1,4 @@
-"""Springs of joints, beside closed forms."""
+"""Springs and armatures of joints, beside closed forms."""
 
 from __future__ import annotations
 
@@ -84,9 +84,43 @@ def test_motors_and_limits_act_beside_the_spring():
     assert joint.position == pytest.approx(0.05, abs=1e-3)
 
 
+@pytest.mark.parametrize("armature", [0.1, 1.0, 1e4])
+def test_an_armature_adds_to_the_inertia_of_the_joint(armature):
+    world = vx.World(gravity=(0, 0, 0))
+    carriage = world.add(vx.Box((0.1, 0.1, 0.1)), mass=2.0)
+    body = world.add(vx.Box((0.1, 0.1, 0.1)), mass=1.0)
+    kind = vx.SliderJoint((1, 0, 0), armature=armature)
+    joint = world.add_joint(kind, carriage, body)
+    world.step(200, before=lambda world: body.apply_force((10, 0, 0)))
+    # The reduced mass of both is 2/3 kg; 2/3 of the force moves the joint.
+    assert joint.velocity == pytest.approx(20.0 / 3.0 / (2.0 / 3.0 + armature), rel=1e-9)
+    momentum = 2.0 * carriage.linear_velocity + body.linear_velocity
+    np.testing.assert_allclose(momentum, (10, 0, 0), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("armature", [0.01, 1.0])
+def test_a_motor_turns_armature_and_body(armature):
+    world = vx.World(gravity=(0, 0, 0))
+    wheel = world.add(vx.Cylinder(radius=0.1, length=0.02), mass=1.0)
+    joint = world.add_joint(vx.HingeJoint((0, 0, 1), armature=armature), None, wheel)
+    joint.set_target_velocity(1000.0, max_force=0.5)
+    world.step(100)
+    inertia = wheel.inertia[2, 2] + armature
+    assert joint.velocity == pytest.approx(0.25 / inertia, rel=1e-9)
+
+
+def test_bullets_own_solvers_refuse_an_armature():
+    world = vx.World(solver="sequential_impulse")
+    wheel = world.add(vx.Cylinder(radius=0.1, length=0.02))
+    with pytest.raises(vx.SettingsError, match="make the world with the solver 'coulomb'"):
+        world.add_joint(vx.HingeJoint((0, 0, 1), armature=0.1), None, wheel)
+
+
 @pytest.mark.parametrize("kind", [vx.HingeJoint, vx.SliderJoint])
 def test_wrong_springs_are_refused(kind):
     with pytest.raises(vx.SettingsError, match="stiffness must be at least 0"):
         kind(stiffness=-1.0)
+    with pytest.raises(vx.SettingsError, match="armature must be at least 0"):
+        kind(armature=-1.0)
     with pytest.raises(vx.SettingsError, match="spring_position"):
         kind(stiffness=1.0, spring_position=math.inf)

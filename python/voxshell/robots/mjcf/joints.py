@@ -94,7 +94,10 @@ def read_joint(
     damping, friction = _read_first(element, "damping"), element.number("frictionloss") or 0.0
     if min(damping, friction) < 0.0:
         element.refuse("has a damping or frictionloss below 0")
-    _note_left_out(element, kind, place.name, limits, (damping, friction), left_out)
+    armature = _read_first(element, "armature")
+    if armature < 0.0:
+        element.refuse("has an armature below 0")
+    _note_left_out(element, kind, place.name, limits, (damping, friction, armature), left_out)
     has_axis = kind in ("revolute", "prismatic")
     # In radians even where the file has degrees: newton meters per radian.
     stiffness = _read_first(element, "stiffness") if has_axis else 0.0
@@ -128,6 +131,7 @@ def read_joint(
         None,
         max(stiffness, 0.0),
         (element.number("springref") or 0.0) * unit,
+        armature if has_axis else 0.0,
     )
 
 
@@ -153,20 +157,19 @@ def _note_left_out(
     kind: JointType,
     name: str,
     limits: tuple[float, float] | None,
-    losses: tuple[float, float],
+    losses: tuple[float, float, float],
     left_out: LeftOut,
 ) -> None:
-    if _read_first(element, "armature"):
-        left_out.note("joint armature", name)
-    stiffness = element.numbers("stiffness", _POLYNOMIAL) or [0.0]
-    if any(stiffness) and kind in ("floating", "spherical"):
-        left_out.note("stiffness of ball and free joints", name)
-    elif stiffness[0] < 0.0 or any(stiffness[1:]):
-        left_out.note("joint stiffness that is below 0 or of a higher order", name)
     if "springdamper" in element.attributes:
         left_out.note("joint springdamper", name)
-    if kind in ("floating", "spherical") and element.tag != "freejoint":
+    stiffness = element.numbers("stiffness", _POLYNOMIAL) or [0.0]
+    if kind not in ("floating", "spherical"):
+        if stiffness[0] < 0.0 or any(stiffness[1:]):
+            left_out.note("joint stiffness below 0 or of a higher order", name)
+    elif element.tag != "freejoint":
         if limits is not None and kind == "spherical":
             left_out.note("limits of ball joints", name)
-        if any(losses):
-            left_out.note("damping or frictionloss of ball and free joints", name)
+        if any(losses) or any(stiffness):
+            left_out.note(
+                "damping, frictionloss, stiffness or armature of ball and free joints", name
+            )

@@ -55,7 +55,7 @@ def load_mjcf(
     contacts are all without friction (``condim="1"``) has friction 0, if it is static or meets another tree.
     Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
     Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
-    Actuators, tendons, equalities and armatures are not simulated; a :class:`RobotWarning` lists what the
+    Actuators, tendons and equalities are not simulated; a :class:`RobotWarning` lists what the
     file has of them. Gravity and time step are the world's. Elements and attributes that MuJoCo does not know are
     refused.
 

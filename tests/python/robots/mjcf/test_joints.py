@@ -38,6 +38,7 @@ def test_hinges_and_slides_have_springs(load):
     kind = load("<joint name='a' type='slide' stiffness='4' springref='0.2'/>").joints["a"].kind
     assert (kind.stiffness, kind.spring_position) == (4.0, 0.2)
     assert load("<joint name='a' stiffness='-4'/>").joints["a"].kind.stiffness == 0.0
+    assert load("<joint name='a' armature='0.3'/>").joints["a"].kind.armature == 0.3
 
 
 def test_limits_need_a_range_and_consent(load):
@@ -98,7 +99,15 @@ def test_the_strength_of_a_joint_is_its_actuator_force(load):
 
 @pytest.mark.parametrize(
     "text",
-    ["type='screw'", "axis='0 0 0'", "damping='-1'", "limited='maybe'", "range='0'", "ref='x'"],
+    [
+        "type='screw'",
+        "axis='0 0 0'",
+        "damping='-1'",
+        "armature='-1'",
+        "limited='maybe'",
+        "range='0'",
+        "ref='x'",
+    ],
 )
 def test_wrong_joints_are_refused(load, text):
     with pytest.raises(vx.RobotError, match=r"model\.xml:1: joint 'a' has "):

@@ -228,9 +228,10 @@ def centers(path: Path, seconds: float) -> tuple[np.ndarray, np.ndarray, float]:
     return np.array(ours), np.array(theirs), speed
 
 
-def test_a_double_pendulum_swings_as_in_mujoco(tmp_path):
+@pytest.mark.parametrize("joint", ["", "armature='0.01' stiffness='0.4' springref='20'"])
+def test_a_double_pendulum_swings_as_in_mujoco(tmp_path, joint):
     path = tmp_path / "model.xml"
-    path.write_text(PENDULUM)
+    path.write_text(PENDULUM.replace("<joint ", f"<joint {joint} "))
     ours, theirs, _ = centers(path, 2.0)
     assert np.ptp(theirs[:, 0]) > 0.5
     np.testing.assert_allclose(ours, theirs, atol=0.01)
