@@ -10,11 +10,19 @@
 
 namespace voxshell::simd::VOXSHELL_ISA {
 
+template <class Number>
+struct Eight;
+
+/// Of two vectors of four; comparisons of floats give integers.
+template <class Four>
+VOXSHELL_INLINE auto join(Four low, Four high) {
+  return Eight<decltype(Four{}[0] + 0)>(low, high);
+}
+
 /// Has the operators that the compiler's vectors have, with scalars on one side, too.
 template <class Number>
 struct Eight {
   using Four __attribute__((vector_size(16))) = Number;
-  using Mask = Eight<int32_t>;
 
   Eight() = default;
   VOXSHELL_INLINE constexpr Eight(Number a, Number b, Number c, Number d, Number e, Number f,
@@ -34,22 +42,22 @@ struct Eight {
     return number;
   }
 
-#define VOXSHELL_OPERATOR(OP, RESULT)                                         \
-  VOXSHELL_INLINE friend RESULT operator OP(const Eight& a, const Eight& b) { \
-    return RESULT(a.low OP b.low, a.high OP b.high);                          \
+#define VOXSHELL_OPERATOR(OP)                                               \
+  VOXSHELL_INLINE friend auto operator OP(const Eight& a, const Eight& b) { \
+    return join(a.low OP b.low, a.high OP b.high);                          \
   }
-  VOXSHELL_OPERATOR(+, Eight)
-  VOXSHELL_OPERATOR(-, Eight)
-  VOXSHELL_OPERATOR(*, Eight)
-  VOXSHELL_OPERATOR(/, Eight)
-  VOXSHELL_OPERATOR(&, Eight)
-  VOXSHELL_OPERATOR(|, Eight)
-  VOXSHELL_OPERATOR(<, Mask)
-  VOXSHELL_OPERATOR(<=, Mask)
-  VOXSHELL_OPERATOR(>, Mask)
-  VOXSHELL_OPERATOR(>=, Mask)
-  VOXSHELL_OPERATOR(==, Mask)
-  VOXSHELL_OPERATOR(!=, Mask)
+  VOXSHELL_OPERATOR(+)
+  VOXSHELL_OPERATOR(-)
+  VOXSHELL_OPERATOR(*)
+  VOXSHELL_OPERATOR(/)
+  VOXSHELL_OPERATOR(&)
+  VOXSHELL_OPERATOR(|)
+  VOXSHELL_OPERATOR(<)
+  VOXSHELL_OPERATOR(<=)
+  VOXSHELL_OPERATOR(>)
+  VOXSHELL_OPERATOR(>=)
+  VOXSHELL_OPERATOR(==)
+  VOXSHELL_OPERATOR(!=)
 #undef VOXSHELL_OPERATOR
   VOXSHELL_INLINE friend Eight operator<<(const Eight& a, int by) {
     return Eight(a.low << by, a.high << by);
