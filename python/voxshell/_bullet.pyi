@@ -64,7 +64,7 @@ class JointKind(enum.Enum):
     POINT = 3
 
 class JointSettings:
-    def __init__(self, *, kind: JointKind, parent: int, child: int, parent_from_joint: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], child_from_joint: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], lower: float, upper: float, friction: float, damping: float, collides: bool) -> None: ...
+    def __init__(self, *, kind: JointKind, parent: int, child: int, parent_from_joint: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], child_from_joint: Annotated[NDArray[numpy.float64], dict(shape=(4, 4))], lower: float, upper: float, friction: float, damping: float, stiffness: float, spring_position: float, armature: float, collides: bool) -> None: ...
 
 class MotorMode(enum.Enum):
     NONE = 0
