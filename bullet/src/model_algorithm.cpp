@@ -10,11 +10,13 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include "apart.h"
+#include "carrying_places.h"
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
 #include "impact.h"
 #include "kept_contacts.h"
+#include "of_this_thread.h"
 #include "outer_contacts.h"
 #include "pair_step.h"
 #include "posed_pair.h"
@@ -200,6 +202,32 @@ bool ModelAlgorithm::touches(const PairStep& step) const {
   });
 }
 
+/// Whether what was found cannot push the bodies as their contacts did in the last step. It may
+/// carry one side of a body alone, which would fall on the other one within the step.
+bool ModelAlgorithm::has_lost_support(const PairStep& step) const {
+  const PosedPair& pair = *step.pair;
+  auto& places = of_this_thread<CarryingPlaces>();
+  places.before.clear();
+  places.now.clear();
+  for (const SegmentManifold& entry : active_) {
+    const btPersistentManifold& manifold = *entry.manifold;
+    const double side = manifold.getBody0() == pair.a.wrap().getCollisionObject() ? 1.0 : -1.0;
+    for (int i = 0; i < manifold.getNumContacts(); ++i) {
+      const btManifoldPoint& point = manifold.getContactPoint(i);
+      if (!(point.m_appliedImpulse > 0)) continue;
+      places.before.push_back(
+          {from_bullet(manifold.getBody1()->getWorldTransform()(point.m_localPointB)),
+           side * from_bullet(point.m_normalWorldOnB),
+           static_cast<double>(point.m_appliedImpulse)});
+    }
+  }
+  for (const Contact& contact : near_->search.contacts()) {
+    const WorldContact world = pair.to_world(contact);
+    places.now.push_back({world.point_b, world.normal, 0.0});
+  }
+  return !places.can_carry_on(step.rest_margin);
+}
+
 /// Describes the step, and looks for contacts or carries on with those of the last search.
 ///
 /// @param support        What carries the bodies, or null: nothing does.
@@ -250,7 +278,7 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   // Bodies that touch nothing may come to fall.
   double fraction =
       look(prepared, time_step, active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
-  if (step.is_carried && !touches(step)) {
+  if (step.is_carried && (!touches(step) || has_lost_support(step))) {
     fraction = look(prepared, time_step, nullptr, /*may_carry_on=*/false);
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);

@@ -77,6 +77,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
                     btManifoldResult& result);
   bool may_keep(const PairStep& step) const;
   bool touches(const PairStep& step) const;
+  bool has_lost_support(const PairStep& step) const;
   double look(Prepared& prepared, double time_step, const Support* support, bool may_carry_on);
   void commit(const Prepared& prepared, StageClock& clock);
   static Segment segment_of(const PosedPair& pair, const Contact& contact, int level);

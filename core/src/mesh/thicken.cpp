@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "mesh/edges.h"
@@ -39,6 +41,13 @@ class Sheets {
   /// Across the side between two corners, in either order.
   std::uint32_t across(std::size_t triangle, std::size_t from, std::size_t to) const {
     return across_[triangle][next(from) == to ? from : to];
+  }
+
+  /// Parts a triangle from the one across a side.
+  void cut(std::uint32_t triangle, std::size_t side) {
+    const std::uint32_t other = across_[triangle][side];
+    across_[other][side_back(triangle, side, other)] = kNoTriangle;
+    across_[triangle][side] = kNoTriangle;
   }
 
   /// The corner of a triangle that is at a vertex.
@@ -144,42 +153,139 @@ std::vector<std::uint32_t> number_corners(const TriangleMesh& mesh, const Sheets
   return parent;
 }
 
+/// Where the vertices of a sheet move.
+struct Offsets {
+  std::vector<std::uint32_t> corner;  ///< the vertex of each corner of each triangle
+  std::vector<Vec3> normals;          ///< unit length, of each vertex
+  std::vector<double> cosines;        ///< the least one with the normals of the faces about it
+};
+
+/// The direction from which the faces with these normals are seen least aslant: that of the center
+/// of their smallest enclosing ball (Aubry and Loehner 2008, "On the 'most normal' normal"), as
+/// Badoiu and Clarkson (2003, "Smaller core-sets for balls") find it.
+Vec3 find_most_normal(std::span<const Vec3> faces, Vec3 center) {
+  constexpr int kRounds = 512;
+  for (int i = 1; i <= kRounds; ++i) {
+    const auto farthest = std::ranges::min_element(
+        faces, [&](const Vec3& a, const Vec3& b) { return dot(a, center) < dot(b, center); });
+    center += (*farthest - center) / (i + 1.0);
+  }
+  return normalized(center);
+}
+
+/// A vertex moves farther at a crease, so that the faces beside it move by half the thickness, up
+/// to this cosine.
+constexpr double kLeastCosine = 0.5;
+/// Where the offset of a vertex is more aslant to a face than this, faces are parted. Smaller:
+/// sheets are thinner there. Below 0 they would be inside out.
+constexpr double kLeastVisible = 0.05;
+
+class OffsetFinder {
+ public:
+  OffsetFinder(const TriangleMesh& mesh, const Sheets& sheets) {
+    offsets_.corner = number_corners(mesh, sheets);
+    add_normals(mesh, sheets);
+    list_faces();
+    for (std::uint32_t v = 0; v < offsets_.normals.size(); ++v) turn_to_faces(v);
+  }
+
+  const Offsets& offsets() const { return offsets_; }
+  const Vec3& face(std::uint32_t triangle) const { return faces_[triangle]; }
+
+ private:
+  /// Normals that do not change with the triangulation (Max 1999).
+  void add_normals(const TriangleMesh& mesh, const Sheets& sheets) {
+    const std::size_t count = mesh.triangles().size();
+    offsets_.normals.resize(kSides * count);
+    faces_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::array<std::size_t, kSides> order = sheets.order(i);
+      const auto corners = mesh.corners(i);
+      const Vec3 doubled =
+          cross(corners[order[1]] - corners[order[0]], corners[order[2]] - corners[order[0]]);
+      faces_[i] = normalized(doubled);
+      for (std::size_t k = 0; k < kSides; ++k) {
+        const double weight = squared_length(corners[next(k)] - corners[k]) *
+                              squared_length(corners[next(next(k))] - corners[k]);
+        if (weight > 0.0) offsets_.normals[offsets_.corner[kSides * i + k]] += doubled / weight;
+      }
+    }
+    for (Vec3& normal : offsets_.normals) normal = normalized(normal);
+  }
+
+  /// Puts the normals of the faces about each vertex one after the other.
+  void list_faces() {
+    first_.assign(offsets_.normals.size() + 1, 0);
+    for (const std::uint32_t v : offsets_.corner) ++first_[v + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    about_.resize(offsets_.corner.size());
+    std::vector<std::uint32_t> at(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < offsets_.corner.size(); ++i) {
+      about_[at[offsets_.corner[i]]++] = faces_[i / kSides];
+    }
+    offsets_.cosines.assign(offsets_.normals.size(), 1.0);
+  }
+
+  void turn_to_faces(std::uint32_t v) {
+    const std::span<Vec3> all(about_.begin() + first_[v], about_.begin() + first_[v + 1]);
+    const std::span<const Vec3> faces(all.begin(), std::ranges::remove(all, Vec3{}).begin());
+    if (faces.empty()) return;
+    const auto find_least = [&](const Vec3& normal) {
+      double least = 1.0;
+      for (const Vec3& face : faces) least = std::min(least, dot(face, normal));
+      return least;
+    };
+    double& cosine = offsets_.cosines[v];
+    cosine = find_least(offsets_.normals[v]);
+    if (cosine >= kLeastCosine) return;
+    const Vec3 better = find_most_normal(faces, offsets_.normals[v]);
+    const double best = find_least(better);
+    if (best <= cosine) return;
+    offsets_.normals[v] = better;
+    cosine = best;
+  }
+
+  Offsets offsets_;
+  std::vector<Vec3> faces_;           ///< normals; 0 of triangles without an area
+  std::vector<std::uint32_t> first_;  ///< where those about each vertex begin in about_
+  std::vector<Vec3> about_;
+};
+
+/// Where an offset of a vertex is outside of no face, or of some alone, the sheet is cut along the
+/// sharp edges that end there, and the pieces overlap.
+Offsets find_offsets(const TriangleMesh& mesh, Sheets& sheets) {
+  // Edges are sharp whose faces have normals with a smaller cosine: first the sharpest.
+  constexpr std::array kSharp{0.0, 0.5, 0.9};
+  OffsetFinder found(mesh, sheets);
+  for (const double sharp : kSharp) {
+    const Offsets& offsets = found.offsets();
+    bool is_cut = false;
+    for (std::size_t i = 0; i < offsets.corner.size(); ++i) {
+      if (offsets.cosines[offsets.corner[i]] >= kLeastVisible) continue;
+      const auto triangle = static_cast<std::uint32_t>(i / kSides);
+      const std::size_t k = i % kSides;
+      for (const std::size_t side : {k, next(next(k))}) {
+        const std::uint32_t other = sheets.across(triangle, side, next(side));
+        if (other == kNoTriangle || dot(found.face(triangle), found.face(other)) > sharp) continue;
+        sheets.cut(triangle, side);
+        is_cut = true;
+      }
+    }
+    if (is_cut) found = OffsetFinder(mesh, sheets);
+  }
+  return found.offsets();
+}
+
 }  // namespace
 
 Result<TriangleMesh> thicken(const TriangleMesh& mesh, double thickness) {
-  const Sheets sheets(mesh);
-  const std::vector<std::uint32_t> corner = number_corners(mesh, sheets);
+  Sheets sheets(mesh);
+  const Offsets offsets = find_offsets(mesh, sheets);
+  const std::vector<std::uint32_t>& corner = offsets.corner;
   const auto triangles = mesh.triangles();
   const auto at = [&](std::size_t triangle, std::size_t k) {
     return corner[kSides * triangle + k];
   };
-
-  // Normals that do not change with the triangulation (Max 1999).
-  std::vector<Vec3> normals(corner.size());
-  std::vector<Vec3> faces(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const std::array<std::size_t, kSides> order = sheets.order(i);
-    const auto corners = mesh.corners(i);
-    const Vec3 doubled =
-        cross(corners[order[1]] - corners[order[0]], corners[order[2]] - corners[order[0]]);
-    faces[i] = normalized(doubled);
-    for (std::size_t k = 0; k < kSides; ++k) {
-      const double weight = squared_length(corners[next(k)] - corners[k]) *
-                            squared_length(corners[next(next(k))] - corners[k]);
-      if (weight > 0.0) normals[at(i, k)] += doubled / weight;
-    }
-  }
-  for (Vec3& normal : normals) normal = normalized(normal);
-  // At a crease a vertex moves farther, so that the faces beside it move by half the thickness.
-  constexpr double kLeastCosine = 0.5;
-  std::vector<double> cosines(corner.size(), 1.0);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (faces[i] == Vec3{}) continue;
-    for (std::size_t k = 0; k < kSides; ++k) {
-      double& cosine = cosines[at(i, k)];
-      cosine = std::max(std::min(cosine, dot(faces[i], normals[at(i, k)])), kLeastCosine);
-    }
-  }
 
   std::vector<Vec3> vertices(2 * corner.size());
   std::vector<Triangle> solid;
@@ -191,7 +297,8 @@ Result<TriangleMesh> thicken(const TriangleMesh& mesh, double thickness) {
     for (std::size_t k = 0; k < kSides; ++k) {
       const std::uint32_t v = at(i, k);
       const Vec3& place = mesh.vertices()[triangles[i][k]];
-      const Vec3 off = (is_open ? 0.5 * thickness / cosines[v] : 0.0) * normals[v];
+      const double cosine = std::max(offsets.cosines[v], kLeastCosine);
+      const Vec3 off = (is_open ? 0.5 * thickness / cosine : 0.0) * offsets.normals[v];
       vertices[above(v)] = place + off;
       vertices[below(v)] = place - off;
     }

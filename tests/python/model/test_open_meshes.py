@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from splinters import make_open_splinter
 
 
 def tube(radius: float = 0.05, length: float = 0.3) -> trimesh.Trimesh:
@@ -78,6 +79,19 @@ def test_a_square_is_a_plate():
         assert vx.contacts(model, vx.Sphere(0.1), b_pose=ball).depths.max() == pytest.approx(
             0.005, 0.1
         )
+
+
+@pytest.mark.parametrize("seed", [1, 2, 7])
+def test_a_sheet_has_all_of_the_surface_of_an_open_splinter(seed: int):
+    # Around its sharp ends, the mean of the normals points away from some faces. Up to half of the
+    # surface was missing.
+    mesh = make_open_splinter(seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = vx.Model.from_mesh(mesh, open="sheet")
+        places = trimesh.sample.sample_surface(mesh, 200, seed=1)[0]
+        apart = [vx.distance(model, vx.Sphere(1e-9), None, place).distance for place in places]
+    assert max(apart) <= 2e-5  # the sheet is 0.1 mm thick
 
 
 def test_a_ball_on_a_plate_by_tolerance_is_as_deep_as_it_is():

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "voxshell/vector.h"
+
+namespace voxshell::bullet {
+
+/// A place at which a contact pushes, or may push, a body.
+struct CarryingPlace {
+  Vec3 place;   ///< metres
+  Vec3 normal;  ///< unit length
+  double impulse;
+};
+
+/// Places at which contacts pushed in the last step, and at which they may push in this one, in one
+/// frame. Decision 59.
+struct CarryingPlaces {
+  std::vector<CarryingPlace> before;
+  std::vector<CarryingPlace> now;
+
+  /// Whether places of now span the middle of those before, weighted by their impulses, or lie
+  /// within `aside` metres of it; for each direction of the impulses, up to a fraction of their
+  /// sum. Empties `before`.
+  bool can_carry_on(double aside);
+};
+
+}  // namespace voxshell::bullet
