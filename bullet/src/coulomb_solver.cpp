@@ -483,7 +483,9 @@ btScalar CoulombSolver::solve_disc(btSolverConstraint& row_1, btSolverConstraint
       impulse_2 *= bound / length;
     }
   }
-  return std::max(set_impulse(row_1, a, b, impulse_1), set_impulse(row_2, a, b, impulse_2));
+  // Compilers for different processors evaluate the arguments of a call in different orders.
+  const btScalar change_2 = set_impulse(row_2, a, b, impulse_2);
+  return std::max(set_impulse(row_1, a, b, impulse_1), change_2);
 }
 
 }  // namespace voxshell::bullet

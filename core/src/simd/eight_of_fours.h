@@ -143,7 +143,8 @@ VOXSHELL_INLINE unsigned bits(I8 mask) {
   };
   return bits_of(mask.low) | bits_of(mask.high) << 4;
 #else
-  const I4 all = (mask.low & I4{1, 2, 4, 8}) | (mask.high & I4{16, 32, 64, 128});
+  // Like the instruction: of what is no mask, the sign.
+  const I4 all = (mask.low >> 31 & I4{1, 2, 4, 8}) | (mask.high >> 31 & I4{16, 32, 64, 128});
   return static_cast<unsigned>(all[0] | all[1] | all[2] | all[3]);
 #endif
 }

@@ -82,6 +82,7 @@ TEST(Wide, ComparisonsChooseAsThoseOfSingleNumbers) {
   expect_lanes("maximum", maximum(kA, kB), [](int i) { return maximum(kA[i], kB[i]); });
   expect_lanes("least integer", minimum(kI, kJ), [](int i) { return minimum(kI[i], kJ[i]); });
   EXPECT_EQ(bits(kI < 0), 0b01001010u);
+  EXPECT_EQ(bits(kI), 0b01001010u) << "signs of what is no mask";
   EXPECT_TRUE(all(kI == kI));
   EXPECT_FALSE(any(kI != kI));
   EXPECT_TRUE(is_uniform(I8{} + 7));
