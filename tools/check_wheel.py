@@ -8,7 +8,8 @@ folder, and there collides two meshes and simulates them: alone, beside pybullet
 Bullet where that is installed,
 with all symbols of these in everybody's sight. Fails if the world does not end the same in each
 case, if the wheel brings or loads shared libraries of Bullet, if a module shows other symbols than the one
-that Python calls, if the wheel is 6 MB or larger, if its bill of materials or a licence of what is on it
+that Python calls, if Bullet calls functions of the C library whose last bits differ between processors,
+if the wheel is 6 MB or larger, if its bill of materials or a licence of what is on it
 is missing, or if it brings packages whose licences ask something of programs that use them.
 """
 
@@ -36,6 +37,13 @@ for package in distributions():
     told += [c for c in package.metadata.get_all("Classifier", []) if c.startswith("License")]
     print(package.name, "".join(" " + str(text).split("\\n")[0] for text in told if text))
 """
+# Functions of the C library whose last bits differ between processors: our own Bullet brings its own.
+REPLACED = set(
+    re.findall(
+        r"set\(replaced ([a-z0-9 ]+)\)",
+        (Path(__file__).parents[1] / "cmake/pinned_bullet.cmake").read_text(),
+    )[0].split()
+)
 # What is in the process with the world: a script's argument each.
 COMPANY = ("nobody", "pybullet before", "pybullet after", "the system's")
 
@@ -45,29 +53,12 @@ SCRIPT = Path(__file__).with_name("try_installed.py").read_text()
 def main(arguments: list[str]) -> int:
     """The command line; returns the exit code."""
     wheel, constraints = Path(arguments[0]).resolve(), Path(arguments[1]).resolve()
-    size = wheel.stat().st_size
-    if size >= MOST_BYTES:
-        print(f"{wheel.name} has {size / 1e6:.1f} MB; it must stay below {MOST_BYTES / 1e6:g} MB")
+    fault = find_fault(wheel)
+    if fault:
+        print(fault)
         return 1
-    with zipfile.ZipFile(wheel) as archive:
-        names = archive.namelist()
-    modules = [n for n in names if re.fullmatch(r"voxshell/_(core|bullet)\.[^/]*\.so", n)]
-    foreign = [n for n in names if n.endswith((".a", ".h", ".cmake", ".pc")) or ".so" in n]
-    foreign = sorted(set(foreign) - set(modules))
-    if foreign:
-        print(f"{wheel.name} holds what is no part of the package: {', '.join(foreign)}")
-        return 1
-    lacking = _lacking_licences(wheel)
-    if lacking:
-        print(f"{wheel.name} says nothing of {', '.join(lacking)}")
-        return 1
-    for name in modules:
-        shown = _shown_symbols(wheel, name)
-        if shown != {"PyInit_" + Path(name).name.partition(".")[0]}:
-            print(f"{name} shows {len(shown)} symbols: {', '.join(sorted(shown)[:10])}")
-            return 1
     with tempfile.TemporaryDirectory() as folder:
-        python = _make_environment(Path(folder).resolve() / "env", wheel, constraints)
+        python = make_environment(Path(folder).resolve() / "env", wheel, constraints)
         company_here = COMPANY if _add_pybullet(python, constraints) else ("nobody", "the system's")
         # Nothing of this checkout, and no settings that could bring another copy.
         environment = {"PATH": os.defpath, "HOME": folder, "LANG": "C.UTF-8"}
@@ -99,8 +90,35 @@ def main(arguments: list[str]) -> int:
             return 1
     version = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     others = f" and beside {', '.join(company_here[1:])}"
-    print(f"{wheel.name}: {size / 1e6:.2f} MB, works with {version} alone{others}")
+    print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.2f} MB, works with {version} alone{others}")
     return 0
+
+
+def find_fault(wheel: Path) -> str | None:
+    """What is wrong with the wheel's files, as far as they tell without being installed."""
+    size = wheel.stat().st_size
+    if size >= MOST_BYTES:
+        return f"{wheel.name} has {size / 1e6:.1f} MB; it must stay below {MOST_BYTES / 1e6:g} MB"
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    modules = [n for n in names if re.fullmatch(r"voxshell/_(core|bullet)\.[^/]*\.so", n)]
+    foreign = [n for n in names if n.endswith((".a", ".h", ".cmake", ".pc")) or ".so" in n]
+    foreign = sorted(set(foreign) - set(modules))
+    if foreign:
+        return f"{wheel.name} holds what is no part of the package: {', '.join(foreign)}"
+    lacking = _lacking_licences(wheel)
+    if lacking:
+        return f"{wheel.name} says nothing of {', '.join(lacking)}"
+    for name in modules:
+        shown = _symbols(wheel, name, "--defined-only")
+        if shown != {"PyInit_" + Path(name).name.partition(".")[0]}:
+            return f"{name} shows {len(shown)} symbols: {', '.join(sorted(shown)[:10])}"
+        called = _symbols(wheel, name, "--undefined-only") & REPLACED
+        if "_bullet." in name and called:
+            return (
+                f"{name} calls the C library, whose last bits differ: {', '.join(sorted(called))}"
+            )
+    return None
 
 
 def _lacking_licences(wheel: Path) -> list[str]:
@@ -117,36 +135,35 @@ def _lacking_licences(wheel: Path) -> list[str]:
     return sorted((expected ^ versioned) | (expected ^ licences))
 
 
-def _shown_symbols(wheel: Path, name: str) -> set[str]:
-    """What a shared library in the wheel defines for others."""
+def _symbols(wheel: Path, name: str, which: str) -> set[str]:
+    """Names that a shared library in the wheel defines for others, or takes from them, without versions."""
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(wheel) as archive:
         library = archive.extract(name, folder)
         told = subprocess.run(
-            ["nm", "--dynamic", "--defined-only", library],
-            check=True,
-            capture_output=True,
-            text=True,
+            ["nm", "--dynamic", which, library], check=True, capture_output=True, text=True
         )
-    return {line.split()[-1] for line in told.stdout.splitlines()}
+    return {line.split()[-1].partition("@")[0] for line in told.stdout.splitlines()}
 
 
-def _make_environment(folder: Path, wheel: Path, constraints: Path) -> Path:
+def make_environment(folder: Path, wheel: Path, constraints: Path) -> Path:
     """A new environment with the wheel; its interpreter."""
     venv.create(folder, with_pip=True, symlinks=True)
     python = folder / "bin" / "python"
-    subprocess.run([*_install(python, constraints), str(wheel)], check=True)
+    subprocess.run([*install([str(python), "-m", "pip"], constraints), str(wheel)], check=True)
     return python
 
 
 def _add_pybullet(python: Path, constraints: Path) -> bool:
     """Whether pybullet has a wheel for this Python; to build it would take longer than all else."""
-    command = [*_install(python, constraints), "--only-binary", "pybullet", "pybullet"]
+    pip = [str(python), "-m", "pip"]
+    command = [*install(pip, constraints), "--only-binary", "pybullet", "pybullet"]
     return subprocess.run(command, capture_output=True).returncode == 0
 
 
-def _install(python: Path, constraints: Path) -> list[str]:
+def install(pip: list[str], constraints: Path) -> list[str]:
+    """The command that has `pip` install what is appended."""
     quiet = ["--disable-pip-version-check", "--no-input", "--quiet"]
-    return [str(python), "-m", "pip", "install", *quiet, "--constraint", str(constraints)]
+    return [*pip, "install", *quiet, "--constraint", str(constraints)]
 
 
 if __name__ == "__main__":
