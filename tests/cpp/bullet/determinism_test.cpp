@@ -181,7 +181,9 @@ TEST(Determinism, ScenesFallTheSameWayOnEveryRun) {
 TEST(Determinism, FrictionInTwoDirectionsIsSolvedInTheSameOrderOnEveryProcessor) {
   const std::uint64_t hash = hash_of_python(kSteps);
   EXPECT_EQ(hash, hash_of_python(kSteps));
-  if (platform() == "Bullet 324 double, anywhere") EXPECT_EQ(hash, 0x9d42fd67a7ca931cu);
+  if (platform() == "Bullet 324 double, anywhere") {
+    EXPECT_EQ(hash, 0x9d42fd67a7ca931cu);
+  }
 }
 
 TEST(Determinism, TheHashSeesThePoses) {
