@@ -52,13 +52,14 @@ bool spans(std::span<const CarryingPlace> places, const CarryingPlace& middle, d
     const Vec3 nearest = nearest_between(*a, b);
     const double distance = length(nearest);
     if (distance <= aside) return true;
-    const Vec3 corner = *find_farthest(places, middle, nearest);
+    const std::optional<Vec3> corner = find_farthest(places, middle, nearest);
+    if (!corner) return false;
     // All of the hull is beyond the line through it.
-    if (dot(corner, nearest) > aside * distance) return false;
-    if (holds_origin(*a, b, corner, middle.normal)) return true;
+    if (dot(*corner, nearest) > aside * distance) return false;
+    if (holds_origin(*a, b, *corner, middle.normal)) return true;
     const bool is_beside_a =
-        squared_length(nearest_between(*a, corner)) <= squared_length(nearest_between(b, corner));
-    (is_beside_a ? b : *a) = corner;
+        squared_length(nearest_between(*a, *corner)) <= squared_length(nearest_between(b, *corner));
+    (is_beside_a ? b : *a) = *corner;
   }
   return true;
 }
