@@ -227,8 +227,9 @@ class OffsetFinder {
   }
 
   void turn_to_faces(std::uint32_t v) {
-    const std::span<Vec3> all(about_.begin() + first_[v], about_.begin() + first_[v + 1]);
-    const std::span<const Vec3> faces(all.begin(), std::ranges::remove(all, Vec3{}).begin());
+    const auto begin = about_.begin() + first_[v];
+    const auto end = about_.begin() + first_[v + 1];
+    const std::span<const Vec3> faces(begin, std::remove(begin, end, Vec3{}));
     if (faces.empty()) return;
     const auto find_least = [&](const Vec3& normal) {
       double least = 1.0;
