@@ -1,7 +1,6 @@
 #include "carrying_places.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <span>
 

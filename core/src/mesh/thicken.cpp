@@ -180,6 +180,7 @@ constexpr double kLeastCosine = 0.5;
 /// sheets are thinner there. Below 0 they would be inside out.
 constexpr double kLeastVisible = 0.05;
 
+/// Finds in which directions the vertices of sheets move, as these are cut now.
 class OffsetFinder {
  public:
   OffsetFinder(const TriangleMesh& mesh, const Sheets& sheets) {
@@ -252,8 +253,8 @@ class OffsetFinder {
   std::vector<Vec3> about_;
 };
 
-/// Where an offset of a vertex is outside of no face, or of some alone, the sheet is cut along the
-/// sharp edges that end there, and the pieces overlap.
+/// At some vertices, no direction is outside of all faces. Sheets are cut along the sharp edges
+/// that end there, and the pieces overlap.
 Offsets find_offsets(const TriangleMesh& mesh, Sheets& sheets) {
   // Edges are sharp whose faces have normals with a smaller cosine: first the sharpest.
   constexpr std::array kSharp{0.0, 0.5, 0.9};
@@ -264,6 +265,7 @@ Offsets find_offsets(const TriangleMesh& mesh, Sheets& sheets) {
     for (std::size_t i = 0; i < offsets.corner.size(); ++i) {
       if (offsets.cosines[offsets.corner[i]] >= kLeastVisible) continue;
       const auto triangle = static_cast<std::uint32_t>(i / kSides);
+      if (!sheets.is_open(triangle)) continue;
       const std::size_t k = i % kSides;
       for (const std::size_t side : {k, next(next(k))}) {
         const std::uint32_t other = sheets.across(triangle, side, next(side));

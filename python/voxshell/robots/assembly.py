@@ -163,10 +163,16 @@ class Assembly:
         self, world: World, joint: JointDescription, links: dict[str, Link]
     ) -> Joint | None:
         match joint.type:
-            case "revolute" | "continuous":
-                kind = HingeJoint(joint.axis, joint.limits, **_soft(joint))
-            case "prismatic":
-                kind = SliderJoint(joint.axis, joint.limits, **_soft(joint))
+            case "revolute" | "continuous" | "prismatic":
+                kind = (SliderJoint if joint.type == "prismatic" else HingeJoint)(
+                    joint.axis,
+                    joint.limits,
+                    joint.friction,
+                    joint.damping,
+                    joint.stiffness,
+                    joint.spring_position,
+                    joint.armature,
+                )
             case "spherical":
                 kind = PointJoint()
             case _:
@@ -249,11 +255,6 @@ class Assembly:
             said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
         if said:
             warn_user(f"{shorten_path(robot.path)} {', and '.join(said)}", RobotWarning)
-
-
-def _soft(joint: JointDescription) -> dict[str, float]:
-    names = ("friction", "damping", "stiffness", "spring_position", "armature")
-    return {name: getattr(joint, name) for name in names}
 
 
 def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:

@@ -129,9 +129,9 @@ def read_joint(
         friction,
         damping,
         None,
-        max(stiffness, 0.0),
-        (element.number("springref") or 0.0) * unit,
-        armature if has_axis else 0.0,
+        stiffness=max(stiffness, 0.0),
+        spring_position=(element.number("springref") or 0.0) * unit,
+        armature=armature if has_axis else 0.0,
     )
 
 
