@@ -286,6 +286,16 @@ SCENES = [
         4,
         "joints.j.max_force must be given with a target",
     ),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nkind = "hinge"\nstiffness = -1\n',
+        7,
+        "joints.j.stiffness must be at least 0",
+    ),
+    (
+        f'{DOOR}[joints.j]\nchild = "door"\nkind = "hinge"\nspring_position = 1\n',
+        7,
+        "joints.j.spring_position needs a stiffness",
+    ),
     (f"{DOOR}parts = 3\n", 4, "bodies.door.parts must be a list, not 3"),
     (f"{DOOR}parts = [3]\n", 4, "bodies.door.parts[0] must be a table, not 3"),
     (
