@@ -32,7 +32,7 @@ class FileAccessError(VoxshellError, OSError):
 
 
 class MissingFileError(FileAccessError, FileNotFoundError):
-    """A file that a call or a command names does not exist. The message names it."""
+    """A file that a call or a command names, or the folder to write it to, does not exist."""
 
 
 class InputTypeError(VoxshellError, TypeError):

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from voxshell.base.unfinished import close, create_file, sweep, unfinished, unfinished_folder
-from voxshell.errors import FileAccessError, SettingsError
+from voxshell.errors import FileAccessError, MissingFileError, SettingsError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,7 +31,8 @@ def check_output_file(path: Path) -> None:
     """Refuse a path where no file can be written. Call this before the work that fills the file.
 
     Raises:
-        SettingsError: It is a folder, a device or a pipe, or its folder does not exist.
+        SettingsError: It is a folder, a device or a pipe.
+        MissingFileError: Its folder does not exist.
         FileAccessError: The system refuses to write it.
     """
     mode = _find_mode(path)
@@ -41,7 +42,7 @@ def check_output_file(path: Path) -> None:
         raise SettingsError(f"{path} is not a regular file; name another")
     parent = _find_mode(path.parent)
     if parent is None or not stat.S_ISDIR(parent):
-        raise SettingsError(f"cannot write {path}: folder does not exist: {path.parent}")
+        raise MissingFileError(f"cannot write {path}: folder does not exist: {path.parent}")
     _try_folder(_follow(path).parent, path)
 
 

@@ -18,7 +18,7 @@ from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix
 from voxshell.base.user_warnings import shorten_path
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
-from voxshell.model.mesh_files.reading import KINDS, UNITLESS, open_mesh_file
+from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -145,11 +145,10 @@ def doubt_unit(
 
 
 def as_model_path(path: str | os.PathLike[str]) -> bytes:
-    """Return the path of a model file to write, which must not look like that of a mesh."""
+    """Return the path of a model file to write, by whose suffix models are recognized."""
     place = as_path(path, "path")
-    name = Path(os.fsdecode(place))
-    if name.suffix[1:].lower() in KINDS:
-        check_suffix(name, (MODEL_SUFFIX,), "a model file")
+    if not os.path.isdir(place):  # the core's error says that it is one
+        check_suffix(Path(os.fsdecode(place)), (MODEL_SUFFIX,), "a model file")
     return place
 
 

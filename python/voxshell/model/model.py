@@ -234,11 +234,10 @@ class Model:
         models give equal bytes.
 
         Args:
-            path: The file's path. End it in .vxs, by which :meth:`World.add` and the command line
-                recognize models.
+            path: The file's path, which ends in .vxs.
 
         Raises:
-            SettingsError: The suffix is that of a mesh file, such as .stl.
+            SettingsError: The suffix is another one.
             FileAccessError: The file cannot be written: no such folder, no permission, disk full.
             InputTypeError: ``path`` is not a path.
 

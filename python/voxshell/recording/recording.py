@@ -107,10 +107,9 @@ class Recording:
         Raises:
             MissingExtraError: The viewer is not installed.
             InputTypeError: ``title`` or ``label`` is not a text.
-            RecordingError: An option is invalid.
-            SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or its
-                folder does not exist.
-            FileAccessError: The file cannot be written.
+            SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or an
+                option is invalid.
+            FileAccessError: The file cannot be written, or its folder does not exist.
         """
         place = _as_place(path, (".html", ".htm"), "a replay")
         as_text(title, "title")
@@ -201,8 +200,8 @@ class Recording:
             The path of the file.
 
         Raises:
-            SettingsError: The suffix is another one, or no file can be written there.
-            RecordingError: ``up`` is not an axis.
+            SettingsError: The suffix is another one, ``up`` is not an axis, or no file can be
+                written there.
             FileAccessError: The file cannot be written.
 
         Example:

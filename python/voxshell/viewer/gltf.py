@@ -54,7 +54,7 @@ def make_gltf(recording: Recording, *, up: str = "+z", contacts: bool = True) ->
         contacts: Add balls at contacts, and arrows of their normal forces.
 
     Raises:
-        RecordingError: ``up`` is not an axis.
+        SettingsError: ``up`` is not an axis.
     """
     right, forward, upward = view_axes(up)
     # In glTF, the view is along -z and +y points up.

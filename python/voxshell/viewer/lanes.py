@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from voxshell.errors import RecordingError
+from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import BodyTrack, Recording
 
 # Frames in which a body is farther from its start than this, in diameters of the body, are not
@@ -67,7 +67,8 @@ def arrange_lanes(
         up: The world axis that points up, such as "+z" or "+y".
 
     Raises:
-        RecordingError: There is no recording, or an option is invalid.
+        RecordingError: There is no recording.
+        SettingsError: An option is invalid.
 
     Example:
         >>> import numpy as np
@@ -83,7 +84,7 @@ def arrange_lanes(
         rows = math.ceil(len(recordings) / _LONGEST_ROW)
         columns = math.ceil(len(recordings) / rows)
     if columns < 1:
-        raise RecordingError(f"columns must be at least 1, got {columns}")
+        raise SettingsError(f"columns must be at least 1, got {columns}")
     right, forward, upward = view_axes(up)
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for recording in recordings.values():
@@ -94,7 +95,7 @@ def arrange_lanes(
     if gap is None:
         gap = 0.22 * width
     if not (math.isfinite(gap) and gap >= 0.0):
-        raise RecordingError(f"gap must be meters, at least 0, got {gap!r}")
+        raise SettingsError(f"gap must be meters, at least 0, got {gap!r}")
     rows = math.ceil(len(recordings) / columns)
     # A row is set back by its height, so that the row in front does not hide its bottom.
     tall = float(np.abs(upward @ size))
@@ -112,7 +113,7 @@ def view_axes(up: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArra
     """Return the unit vectors right, forward (away from the viewer) and up, world frame.
 
     Raises:
-        RecordingError: ``up`` is none of "+x", "-x", "+y", "-y", "+z", "-z".
+        SettingsError: ``up`` is none of "+x", "-x", "+y", "-y", "+z", "-z".
 
     Example:
         >>> view_axes("+z")[1]
@@ -120,7 +121,7 @@ def view_axes(up: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArra
     """
     axes = {"x": 0, "y": 1, "z": 2}
     if len(up) != 2 or up[0] not in "+-" or up[1] not in axes:
-        raise RecordingError(f"up must be '+x', '-x', '+y', '-y', '+z' or '-z', got {up!r}")
+        raise SettingsError(f"up must be '+x', '-x', '+y', '-y', '+z' or '-z', not {up!r}")
     upward = np.zeros(3)
     upward[axes[up[1]]] = 1.0 if up[0] == "+" else -1.0
     right = np.array([0.0, 1.0, 0.0]) if up[1] == "x" else np.array([1.0, 0.0, 0.0])

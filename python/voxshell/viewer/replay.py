@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from voxshell.errors import RecordingError
+from voxshell.errors import RecordingError, SettingsError
 from voxshell.viewer.actors import Script, add_lane
 from voxshell.viewer.arrows import full_force
 from voxshell.viewer.lanes import Lane, view_axes
@@ -67,8 +67,9 @@ def save_replay(
 
     Raises:
         MissingExtraError: viser is not installed.
-        RecordingError: There is no lane, or an option is invalid.
-        SettingsError: No file can be written there, for example because it is a folder or a pipe.
+        RecordingError: There is no lane.
+        SettingsError: An option is invalid, or no file can be written there, for example because
+            it is a folder or a pipe.
         FileAccessError: The system refuses to write it.
     """
     page = make_replay(
@@ -100,9 +101,9 @@ def make_replay(
     if not lanes:
         raise RecordingError("nothing to show: no lanes")
     if max_contacts < 0:
-        raise RecordingError(f"max_contacts must be at least 0, got {max_contacts}")
+        raise SettingsError(f"max_contacts must be at least 0, got {max_contacts}")
     if not (np.isfinite(hold) and hold >= 0.0):
-        raise RecordingError(f"hold must be seconds, at least 0, got {hold!r}")
+        raise SettingsError(f"hold must be seconds, at least 0, got {hold!r}")
     recordings = [lane.recording for lane in lanes]
     stage = plan_stage(lanes, up=up)
     boxes = [

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from voxshell.errors import RecordingError
+from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import Recording
 
 # Tolerance for rounding, so that a time of exactly k steps falls on step k.
@@ -67,7 +67,8 @@ def plan_timeline(
         speed: Simulated seconds per second of playback; 1 is real time, less is slow motion.
 
     Raises:
-        RecordingError: There is no recording, or a rate is not positive.
+        RecordingError: There is no recording.
+        SettingsError: A rate is not positive.
 
     Example:
         >>> import numpy as np
@@ -82,7 +83,7 @@ def plan_timeline(
         raise RecordingError("nothing to show: no recordings")
     for name, rate in (("frames_per_second", frames_per_second), ("speed", speed)):
         if not (math.isfinite(rate) and rate > 0.0):
-            raise RecordingError(f"{name} must be positive, got {rate!r}")
+            raise SettingsError(f"{name} must be positive, got {rate!r}")
     step = min(recording.time_step for recording in recordings)
     end = max(recording.duration for recording in recordings)
     stride = max(1, math.ceil(speed / (frames_per_second * step) - _STEP_TOLERANCE))

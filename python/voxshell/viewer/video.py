@@ -71,13 +71,14 @@ def save_video(
 
     Raises:
         MissingExtraError: A library is not installed, or it cannot render on this machine.
-        SettingsError: ``size`` is out of range, or no file can be written there.
-        RecordingError: Another option is invalid.
+        SettingsError: An option is out of range, or no file can be written there.
+        InputTypeError: There is no such option.
         FileAccessError: The file cannot be written.
     """
     pixels = _as_size(size)
     rate = _DEFAULT_RATES[path.suffix.lower()] if frames_per_second is None else frames_per_second
     timeline = plan_timeline(
+    view_axes(up)  # a wrong axis is refused before libraries are loaded
         [recording],
         frames_per_second=as_positive(rate, "frames_per_second"),
         speed=as_positive(speed, "speed"),
@@ -98,7 +99,7 @@ def save_video(
 
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
     """Return width and height, both even, as the encoder requires."""
-    if len(size) != 2:
+    if not isinstance(size, (tuple, list)) or len(size) != 2:
         raise SettingsError(f"size must be (width, height) in pixels, not {size!r}")
     width, height = (as_integer(side, "size", 64, 7680) for side in size)
     if width % 2 or height % 2:

@@ -18,7 +18,13 @@ import trimesh
 import voxshell as vx
 from voxshell.base.outputs import check_output_file, check_output_folder, filling, replacing
 from voxshell.base.unfinished import sweep, unfinished_folder
-from voxshell.errors import FileAccessError, InputTypeError, SettingsError, VoxshellError
+from voxshell.errors import (
+    FileAccessError,
+    InputTypeError,
+    MissingFileError,
+    SettingsError,
+    VoxshellError,
+)
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
 FORBIDDEN = Path("/sys/kernel")
@@ -77,19 +83,19 @@ def test_a_file_takes_the_place_of_an_older_one(tmp_path, umask):
 
 
 def test_a_pipe_is_not_replaced(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "link").symlink_to("pipe")
-    for name in ("pipe", "link"):
+    os.mkfifo(tmp_path / "pipe.vxs")
+    (tmp_path / "link").symlink_to("pipe.vxs")
+    for name in ("pipe.vxs", "link"):
         with (
             pytest.raises(SettingsError, match=f"{name} is not a regular file"),
             replacing(tmp_path / name),
         ):
             pytest.fail("the block is reached")
-    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "pipe.vxs").is_fifo()
     model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
-    with pytest.raises(FileAccessError, match="pipe: it is not a regular file"):
-        model.save(tmp_path / "pipe")
-    assert (tmp_path / "pipe").is_fifo()
+    with pytest.raises(FileAccessError, match=r"pipe\.vxs: it is not a regular file"):
+        model.save(tmp_path / "pipe.vxs")
+    assert (tmp_path / "pipe.vxs").is_fifo()
 
 
 def test_links_stay_and_what_they_lead_to_is_written(tmp_path):
@@ -173,7 +179,7 @@ def test_a_replay_is_refused_before_it_is_made(tmp_path, monkeypatch):
     recording = Recording(0.01, (track,), ContactTrack.empty(1))
     for path, kind in [
         (tmp_path, SettingsError),
-        (tmp_path / "missing" / "a.html", SettingsError),
+        (tmp_path / "missing" / "a.html", MissingFileError),
         (FORBIDDEN / "a.html", FileAccessError),
         ("", FileAccessError),
         ("a\0b", FileAccessError),

@@ -67,8 +67,10 @@ def test_a_file_keeps_its_model_after_the_model_is_gone(part, tmp_path):
     np.testing.assert_array_equal(points, part.shell.points)
 
 
-@pytest.mark.parametrize("name", ["part.vxs", "näme with spaces", b"\xff\xfe", "a" * 200])
-def test_files_may_have_any_name(part, tmp_path, name):
+@pytest.mark.parametrize(
+    "name", ["part.vxs", "näme with spaces.vxs", b"\xff\xfe.vxs", "a" * 200 + ".vxs"]
+)
+def test_files_may_have_any_name_before_the_suffix(part, tmp_path, name):
     path = os.path.join(os.fsencode(tmp_path), os.fsencode(name))
     part.save(os.fsdecode(path))
     assert_equal(part, vx.Model.load(path))
@@ -254,3 +256,15 @@ def test_a_file_that_lies_about_its_field_crashes_nothing(sound_file, part, tmp_
             assert np.isfinite(vx.contacts(a, b, pose).depths).all()
             vx.collide(a, b, pose)
             assert np.isfinite(vx.distance(a, b, pose).distance)
+
+
+@pytest.mark.parametrize("name", ["part.txt", "part", "part.stl"])
+def test_a_model_file_has_its_own_suffix(part, tmp_path, name):
+    with pytest.raises(vx.SettingsError, match=r"ends in \.vxs, but .*; try 'part\.vxs'"):
+        part.save(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_models_are_built_from_meshes():
+    with pytest.raises(vx.InputTypeError, match=r"build a model with Model\.from_mesh\(mesh\)"):
+        vx.Model()

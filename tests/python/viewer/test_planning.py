@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
-from voxshell.errors import RecordingError
+from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, activity_bounds, arrange_lanes, view_axes
 from voxshell.viewer.page import add_heading
@@ -91,9 +91,9 @@ class TestTimeline:
 
     @pytest.mark.parametrize("bad", [0.0, -1.0, np.nan, np.inf])
     def test_bad_rates_are_refused(self, bad):
-        with pytest.raises(RecordingError, match="speed must be positive"):
+        with pytest.raises(SettingsError, match="speed must be positive"):
             plan_timeline([fall()], speed=bad)
-        with pytest.raises(RecordingError, match="frames_per_second must be positive"):
+        with pytest.raises(SettingsError, match="frames_per_second must be positive"):
             plan_timeline([fall()], frames_per_second=bad)
 
 
@@ -138,11 +138,11 @@ class TestLanes:
     def test_bad_options_are_refused(self):
         with pytest.raises(RecordingError, match="nothing to arrange"):
             arrange_lanes({})
-        with pytest.raises(RecordingError, match="columns must be at least 1, got 0"):
+        with pytest.raises(SettingsError, match="columns must be at least 1, got 0"):
             arrange_lanes({"a": fall()}, columns=0)
-        with pytest.raises(RecordingError, match="gap must be meters"):
+        with pytest.raises(SettingsError, match="gap must be meters"):
             arrange_lanes({"a": fall()}, gap=-1.0)
-        with pytest.raises(RecordingError, match="up must be"):
+        with pytest.raises(SettingsError, match="up must be"):
             arrange_lanes({"a": fall()}, up="z")
         with pytest.raises(RecordingError, match="three finite numbers"):
             Lane("a", fall(), (0.0, 0.0))  # pyright: ignore[reportArgumentType]

@@ -14,7 +14,7 @@ import trimesh
 import viser
 from marks_on_page import read_drawn
 from player import Player
-from voxshell.errors import RecordingError
+from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, arrange_lanes
 from voxshell.viewer.replay import save_replay
@@ -186,16 +186,21 @@ def test_a_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("lanes", "options", "message"),
     [
-        ([], {}, "no lanes"),
         ([Lane("", fall_and_roll())], {"hold": -1.0}, "hold must be seconds"),
         ([Lane("", fall_and_roll())], {"max_contacts": -1}, "max_contacts must be at least 0"),
         ([Lane("", fall_and_roll())], {"up": "up"}, "up must be"),
         ([Lane("", fall_and_roll())], {"speed": 0.0}, "speed must be positive"),
     ],
 )
-def test_bad_requests_are_refused(tmp_path, lanes, options, message):
-    with pytest.raises(RecordingError, match=message):
+def test_bad_options_are_refused(tmp_path, lanes, options, message):
+    with pytest.raises(SettingsError, match=message):
         save_replay(tmp_path / "replay.html", lanes, title="", **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_lanes_are_refused(tmp_path):
+    with pytest.raises(RecordingError, match="no lanes"):
+        save_replay(tmp_path / "replay.html", [], title="")
     assert list(tmp_path.iterdir()) == []
 
 
