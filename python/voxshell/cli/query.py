@@ -181,7 +181,7 @@ def _ask(
             )
         if "wrench" in ask and stiffness is not None and shell != "both":
             answer["wrench"] = _describe_wrench(
-                wrench(a, b, a_pose, pose, stiffness, shell=shell, scratch=scratch)
+                wrench(a, b, a_pose, pose, stiffness=stiffness, shell=shell, scratch=scratch)
             )
         track.update("", (index + 1) / len(answers))
     return answers

@@ -35,10 +35,10 @@ class Wrench:
 def wrench(
     a: Collidable,
     b: Collidable,
-    a_pose: ArrayLike | None,
-    b_pose: ArrayLike | None,
-    stiffness: float,
+    a_pose: ArrayLike | None = None,
+    b_pose: ArrayLike | None = None,
     *,
+    stiffness: float,
     shell: Shell = "auto",
     scratch: QueryScratch | None = None,
 ) -> Wrench:
@@ -79,7 +79,7 @@ def wrench(
         >>> cube = vx.Model.from_mesh(trimesh.creation.box(), resolution=20)
         >>> world_from_cube = np.eye(4)
         >>> world_from_cube[2, 3] = 0.499
-        >>> wrench = vx.wrench(cube, vx.Plane(), world_from_cube, None, stiffness=1e6)
+        >>> wrench = vx.wrench(cube, vx.Plane(), world_from_cube, stiffness=1e6)
         >>> bool(abs(wrench.force[2] - 1e6 * 1.0 * 0.001) < 100)
         True
         >>> bool(np.abs(wrench.torque).max() < 1e-3)

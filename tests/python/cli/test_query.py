@@ -40,7 +40,7 @@ def test_answers_are_those_of_the_package(voxshell, cone, cone_model_path):
     assert told["contacts"]["normals"] == expected.normals.tolist()
     assert told["collide"] is True
     assert told["distance"]["distance"] == vx.distance(cone, cone, *poses).distance
-    assert told["wrench"]["force"] == vx.wrench(cone, cone, *poses, 1e6).force.tolist()
+    assert told["wrench"]["force"] == vx.wrench(cone, cone, *poses, stiffness=1e6).force.tolist()
 
 
 @pytest.mark.parametrize("form", ["csv", "csv with heading", "matrices", "rows"])

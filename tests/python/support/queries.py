@@ -6,7 +6,7 @@ import voxshell as vx
 
 
 def wrench(a, b, a_pose=None, b_pose=None, **options) -> vx.Wrench:
-    return vx.wrench(a, b, a_pose, b_pose, 1.0, **options)
+    return vx.wrench(a, b, a_pose, b_pose, stiffness=1.0, **options)
 
 
 def deepest_per_segment(a, b, a_pose=None, b_pose=None, **options) -> vx.Contacts:
