@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 from voxshell import testing
 from voxshell._core import version as __version__
 from voxshell.base.poses import pose
+from voxshell.base.user_warnings import UnitWarning
 from voxshell.errors import (
     FileAccessError,
     InputTypeError,
@@ -167,6 +168,7 @@ __all__ = [
     "Sphere",
     "Sweep",
     "SweepBatch",
+    "UnitWarning",
     "VoxshellError",
     "World",
     "WorldState",

@@ -253,6 +253,7 @@ def test_errors_and_warnings(tmp_path: Path):
         warnings.simplefilter("ignore", vx.MeshWarning)
         warnings.simplefilter("ignore", vx.AccuracyWarning)
         warnings.simplefilter("ignore", vx.RobotWarning)
+        warnings.simplefilter("ignore", vx.UnitWarning)
         box = vx.ConvexHull([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]).mesh
         model = vx.Model.from_mesh((box.vertices, box.faces[1:]), resolution=20)
         assert len(model.shell) > 0

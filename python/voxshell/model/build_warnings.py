@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from voxshell.base.user_warnings import warn_user
 from voxshell.model.accuracy import AccuracyWarning
 from voxshell.model.meshes import MeshWarning
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from voxshell._core import Model as CoreModel
     from voxshell.model.accuracy import Accuracy
     from voxshell.model.field import DistanceField
 
 _LARGE_FIELD = 64.0  # megabytes; models by tolerance warn above this
+_COARSE = 5.0  # tolerances in the shortest side below which a tolerance is probably in millimeters
 _FAR_OFF = 4.0  # accepted error of the worst place, in tolerances; 1.4 is proven for closed meshes
 
 
@@ -60,6 +65,22 @@ def warn_of_faults(core: CoreModel, open_as: str) -> None:
         f"sign='winding' to accept it{openings and '; '}{openings}",
         MeshWarning,
     )
+
+
+def warn_of_coarse_tolerance(tolerance: float, vertices: NDArray[np.float64]) -> None:
+    """Warn of a tolerance that is coarse for the mesh, as one in millimeters is.
+
+    Args:
+        tolerance: As given to the build, meters.
+        vertices: (n, 3), meters. A flat sheet has a shortest side of 0, which says nothing.
+    """
+    shortest = float(np.ptp(vertices, axis=0).min())
+    if 0.0 < shortest < _COARSE * tolerance:
+        warn_user(
+            f"a tolerance of {tolerance:g} m is {tolerance / shortest:.2g} times the mesh's shortest side of "
+            f"{shortest:.3g} m, so the model is coarse: check its unit; 0.1 mm is tolerance=0.0001",
+            AccuracyWarning,
+        )
 
 
 def warn_of_accuracy(tolerance: float, field: DistanceField, accuracy: Accuracy) -> None:

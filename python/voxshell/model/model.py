@@ -21,7 +21,11 @@ from voxshell.base.user_warnings import warn_user
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_settings
-from voxshell.model.build_warnings import warn_of_accuracy, warn_of_faults
+from voxshell.model.build_warnings import (
+    warn_of_accuracy,
+    warn_of_coarse_tolerance,
+    warn_of_faults,
+)
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.field import SERIALS, DistanceField
 from voxshell.model.mass_properties import MassProperties
@@ -165,7 +169,8 @@ class Model:
             MeshWarning: With ``sign="auto"``, the mesh is not closed or is inside out. The message
                 says how often and where, and how it was handled.
             AccuracyWarning: The error of the field or the shell exceeds the tolerance on more than
-                1 % of the surface. The message says by how much, and what to do.
+                1 % of the surface. The message says by how much, and what to do. Or ``tolerance``
+                is above a fifth of the mesh's shortest side, as of millimeters.
 
         Example:
             >>> import trimesh
@@ -224,6 +229,8 @@ class Model:
             warn_of_faults(core, open)
         model = cls(core)
         if model.tolerance is not None:
+        if tolerance is not None:
+            warn_of_coarse_tolerance(tolerance, arrays.vertices)
             warn_of_accuracy(model.tolerance, model.field, model.accuracy)
         return model
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell.base.arguments import show_value
-from voxshell.base.user_warnings import warn_user
+from voxshell.base.user_warnings import UnitWarning, warn_user
 from voxshell.errors import SettingsError, SimulationError
 from voxshell.model.accuracy import AccuracyWarning
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
 
 _LEAST_MASS = 1e-100  # kg; the inverse of a much smaller mass is not finite
+_OF_THE_EARTH = 9.81  # m/s2
+_STRONGEST = 1000.0  # m/s2; stronger gravity is nearly always in mm/s2
 _LONGEST_STEP = 1.0  # seconds; a longer time step is nearly always a number of steps a second
 
 
@@ -56,6 +58,17 @@ def check_extent(low_and_high: ArrayLike, label: str) -> None:
         raise SettingsError(
             f"{label} has a box with a diagonal of {extent:g} m; Bullet does not move bodies of more than "
             f"{_bullet.most_extent:g} m; scale the scene down, or pass motion='static'"
+        )
+
+
+def doubt_gravity(gravity: ArrayLike) -> None:
+    """Warn of a gravity that is probably in millimeters."""
+    strength = float(np.linalg.norm(gravity))
+    if strength > _STRONGEST:
+        warn_user(
+            f"gravity is {strength:g} m/s2, {strength / _OF_THE_EARTH:.0f} times that of the Earth: lengths are in "
+            "meters, so that of the Earth is (0, 0, -9.81)",
+            UnitWarning,
         )
 
 

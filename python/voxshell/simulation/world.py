@@ -22,7 +22,7 @@ from voxshell.base.arguments import (
     is_infinite,
 )
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.simulation.limits import check_motions, check_time_step
+from voxshell.simulation.limits import check_motions, check_time_step, doubt_gravity
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
 from voxshell.simulation.world_view import ViewedWorld
@@ -119,6 +119,7 @@ class World(ViewedWorld):
     Example:
         A ball of 0.1 m falls on the ground and stays there:
 
+        UnitWarning: ``gravity`` is above 1000 m/s2, as in mm/s2.
         >>> import numpy as np
         >>> import trimesh
         >>> import voxshell as vx
@@ -166,6 +167,7 @@ class World(ViewedWorld):
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
+        doubt_gravity(acceleration)
         self._gravity = np.array(acceleration)
         self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"

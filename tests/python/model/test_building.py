@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -132,3 +133,21 @@ def test_ctrl_c_stops_a_build_within_two_seconds(threads: int, progress: str):
 def test_words_and_flags_of_a_wrong_type_are_told(settings, error, message):
     with pytest.raises(error, match=message):
         vx.Model.from_mesh(trimesh.creation.box(), resolution=10, **settings)
+
+
+@pytest.mark.parametrize(("tolerance", "is_coarse"), [(0.1, True), (0.021, True), (0.019, False)])
+def test_a_tolerance_in_millimeters_is_doubted(tolerance: float, is_coarse: bool):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        vx.Model.from_mesh(trimesh.creation.box((0.1, 0.2, 0.3)), tolerance=tolerance)
+    doubts = [str(each.message) for each in caught if "check its unit" in str(each.message)]
+    assert len(doubts) == is_coarse
+    assert all("the mesh's shortest side of 0.1 m" in doubt for doubt in doubts)
+
+
+def test_a_flat_sheet_has_no_shortest_side_to_compare_with():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vx.Model.from_mesh(
+            ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), tolerance=0.01, open="sheet"
+        )

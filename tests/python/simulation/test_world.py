@@ -657,3 +657,9 @@ def test_thin_round_bodies_fall(size):
         body = world.add(shape, pose=at(x=3 * place))
         world.step(10)
         assert body.position[2] == pytest.approx(-9.81 * 55 / 200**2, rel=1e-3)
+
+
+def test_gravity_in_millimeters_is_doubted():
+    with pytest.warns(vx.UnitWarning, match=r"9810 m/s2, 1000 times that of the Earth"):
+        vx.World(gravity=(0, 0, -9810))
+    vx.World(gravity=(0, 0, -1000.0))
