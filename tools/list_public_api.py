@@ -20,6 +20,7 @@ from typing import Any
 
 import voxshell
 import voxshell.recording
+from voxshell.base.near_names import Absent, Refusal
 
 COMMITTED = Path(__file__).resolve().parent.parent / "tests/python/public_api.txt"
 # Modules that users import by their own path. All other names are `voxshell.<name>`.
@@ -62,10 +63,13 @@ def _list_class(path: str, cls: type) -> Iterator[str]:
     members: dict[str, str] = {}
     for base in reversed(ours):
         init = vars(base).get("__init__")
+        init = inspect.unwrap(init) if inspect.isfunction(init) else init
         if inspect.isfunction(init) and init.__code__.co_filename != "<string>":  # of a dataclass
             for match in _ATTRIBUTE.finditer(inspect.getsource(init)):
                 members[match[1]] = f": {(match[2] or 'attribute').strip()}"
         for name, member in vars(base).items():
+            if isinstance(member, Absent):
+                continue
             if name in _SPECIAL or not name.startswith("_"):
                 described = _describe_member(base, name, member)
                 members[name] = members.get(name, described) if described == _FIELD else described
@@ -87,7 +91,8 @@ def _describe_member(cls: type, name: str, member: Any) -> str:
     if isinstance(member, property):
         signature = inspect.signature(member.fget) if member.fget else None
         answer = _describe_type(signature.return_annotation) if signature else "?"
-        return f": {answer} (property{', settable' if member.fset else ''})"
+        settable = member.fset is not None and not isinstance(member.fset, Refusal)
+        return f": {answer} (property{', settable' if settable else ''})"
     if isinstance(member, (classmethod, staticmethod)):
         return f"{_describe_signature(getattr(cls, name))} ({type(member).__name__})"
     if callable(member):

@@ -36,7 +36,7 @@ class MissingFileError(FileAccessError, FileNotFoundError):
 
 
 class InputTypeError(VoxshellError, TypeError):
-    """An argument has a type that the function does not accept."""
+    """An argument has a type that the function does not accept, or a call has wrong arguments."""
 
 
 class RobotError(VoxshellError, ValueError):

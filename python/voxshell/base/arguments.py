@@ -194,15 +194,16 @@ def as_floats(
         error: The error to raise.
         meaning: What follows "numbers" in messages, such as " in meters".
     """
-    wanted = f"{_count(shape)} numbers{meaning}"
     try:
         array = np.asarray(value)
     except (TypeError, ValueError) as failure:
+        wanted = f"{_count(shape)} numbers{meaning}"
         raise error(f"{name} must be {wanted}, not {show_value(value)} ({failure})") from None
     fits = array.ndim == len(shape) and all(
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
     )
     if array.dtype.kind not in "fiu" or not fits:
+        wanted = f"{_count(shape)} numbers{meaning}"
         raise error(f"{name} must be {wanted}, not {show_array(array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
 

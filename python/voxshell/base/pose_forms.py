@@ -92,14 +92,17 @@ def mend_poses(error: PoseError, **values: Any) -> dict[str, NDArray[np.float64]
     """
     mended: dict[str, NDArray[np.float64] | None] = {}
     changed, is_batch = False, "a_poses" in values
-    for name, value in values.items():
-        if value is None:
-            mended[name] = None
-            continue
-        given = read_poses(value, name) if is_batch else read_pose(value, name)
-        exact = make_rigid(given, name) if given.ndim == 2 else make_all_rigid(given, name)
-        changed |= exact is not given
-        mended[name] = exact
+    try:
+        for name, value in values.items():
+            if value is None:
+                mended[name] = None
+                continue
+            given = read_poses(value, name) if is_batch else read_pose(value, name)
+            exact = make_rigid(given, name) if given.ndim == 2 else make_all_rigid(given, name)
+            changed |= exact is not given
+            mended[name] = exact
+    except PoseError as better:
+        raise better from None  # it names the pose, and says all that the core's error does
     if not changed:
         raise error
     return mended
@@ -119,7 +122,7 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
         numbers = array.tolist()
         return _make_pose(numbers[:3], numbers[3:], name)
     hint = {
-        (3, 3): "; for a rotation, set the upper left of a 4x4 identity to it",
+        (3, 3): "; for a rotation alone, call voxshell.pose(rotation=...)",
         (3, 4): "; append the row 0, 0, 0, 1",
         (16,): "; reshape it to (4, 4)",
         (4,): "; for a rotation alone, call voxshell.pose(xyzw=...)",
@@ -161,31 +164,29 @@ def make_rigid(pose: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     a, b, c, x, d, e, f, y, g, h, i, z, *last = pose.ravel().tolist()
     rotation = (a, b, c, d, e, f, g, h, i)
     if not all(map(math.isfinite, (*rotation, x, y, z, *last))):
-        raise PoseError(f"{name}: pose has an entry that is not finite")
+        raise PoseError(f"{name}: an entry is not finite")
     row_error = max(abs(have - want) for have, want in zip(last, _LAST_ROW, strict=True))
     if row_error > EXACT:
         is_transposed = (x, y, z) == (0.0, 0.0, 0.0) and last[3] == 1.0
         advice = "pass its transpose, pose.T" if is_transposed else "it must be rigid"
         raise PoseError(
-            f"{name}: pose's last row is off (0, 0, 0, 1) by {row_error:.3g}; give a row-major "
+            f"{name}: the last row is off (0, 0, 0, 1) by {row_error:.3g}; give a row-major "
             f"world_from_body matrix: {advice}"
         )
     off = max(orthonormal_errors(rotation))
     mirrors = determinant(rotation) < 0.0
     if off > CORRECTED:
         raise PoseError(
-            f"{name}: pose's rotation is off orthonormal by {off:.3g}{' and mirrors' if mirrors else ''}; up "
+            f"{name}: the rotation is off orthonormal by {off:.3g}{' and mirrors' if mirrors else ''}; up "
             f"to {CORRECTED:g} is corrected; scale the mesh, not the pose, or make the pose with voxshell.pose()"
         )
     if mirrors:
         raise PoseError(
-            f"{name}: pose mirrors (its rotation has determinant -1); mirror the mesh, not the pose"
+            f"{name}: it mirrors (its rotation has determinant -1); mirror the mesh, not the pose"
         )
     farthest = max(abs(x), abs(y), abs(z))
     if farthest > FARTHEST:
-        raise PoseError(
-            f"{name}: pose is {farthest:.3g} m from its origin, beyond {FARTHEST:.0e} m"
-        )
+        raise PoseError(f"{name}: it is {farthest:.3g} m from its origin, beyond {FARTHEST:.0e} m")
     if off <= EXACT:
         return pose
     return _assemble((x, y, z), nearest_rotation(rotation))
@@ -289,8 +290,11 @@ def _as_array(value: Any, name: str, forms: str) -> NDArray[np.float64]:
     """Return a float64 array of any shape."""
     try:
         array = np.asarray(value)
-    except (TypeError, ValueError) as failure:
-        raise PoseError(f"{name} must be {forms}, not {show_value(value)} ({failure})") from None
+    except (TypeError, ValueError):
+        hint = ""
+        if isinstance(value, (tuple, list)) and len(value) == 2 and np.shape(value[1]) == (3, 3):
+            hint = "; for a position and a matrix, call voxshell.pose(position, rotation=...)"
+        raise PoseError(f"{name} must be {forms}, not {show_value(value)}{hint}") from None
     if array.dtype.kind not in "fiu" or array.ndim == 0:
         raise PoseError(f"{name} must be {forms}, not {show_array(array)}")
     return as_floats(array, name, (None,) * array.ndim, PoseError)

@@ -8,19 +8,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell.base.arguments import as_floats
-from voxshell.base.pose_forms import as_quaternion
+from voxshell.base.calls import explain_calls
+from voxshell.base.pose_forms import as_quaternion, make_rigid
 from voxshell.base.rotations import rotation_from_xyzw
+from voxshell.base.user_warnings import doubt_degrees
 from voxshell.errors import PoseError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
+@explain_calls
 def pose(
     position: ArrayLike = (0.0, 0.0, 0.0),
     *,
     xyzw: ArrayLike | None = None,
     wxyz: ArrayLike | None = None,
+    rotation: ArrayLike | None = None,
     euler: ArrayLike | None = None,
     axis_angle: tuple[ArrayLike, float] | None = None,
 ) -> NDArray[np.float64]:
@@ -45,6 +49,7 @@ def pose(
         position: (3,), meters: the origin of the frame.
         xyzw: (4,), unit quaternion, real part last, as in Bullet, SciPy and ROS.
         wxyz: (4,), unit quaternion, real part first, as in MuJoCo and trimesh.
+        rotation: (3, 3), a rotation matrix.
         euler: (3,), radians: roll, pitch and yaw, like ``rpy`` in URDF. The frame turns about the
             fixed x axis, then the fixed y axis, then the fixed z axis.
         axis_angle: An axis, (3,), of any nonzero length, and an angle about it in radians,
@@ -55,7 +60,10 @@ def pose(
 
     Raises:
         PoseError: More than one rotation is given, a number is not finite, an array has another
-            shape, a quaternion is not of unit length, or an axis is zero.
+            shape, a quaternion is not of unit length, a matrix is no rotation, or an axis is zero.
+
+    Warns:
+        UnitWarning: An angle of ``euler`` is probably in degrees: 15, 20, 25 and so on.
 
     Example:
         A quarter turn about z, half a meter up:
@@ -68,6 +76,8 @@ def pose(
                [ 0. ,  0. ,  1. ,  0.5],
                [ 0. ,  0. ,  0. ,  1. ]])
         >>> half = math.sqrt(0.5)
+        >>> bool((vx.pose(rotation=np.diag([1, -1, -1])) == np.diag([1, -1, -1, 1])).all())
+        True
         >>> turned = vx.pose(euler=(0, 0, math.pi / 2))
         >>> bool(abs(turned - vx.pose(xyzw=(0, 0, half, half))).max() < 1e-15)
         True
@@ -75,7 +85,13 @@ def pose(
         Traceback (most recent call last):
         voxshell.errors.PoseError: give at most one rotation, not xyzw and wxyz
     """
-    rotations = {"xyzw": xyzw, "wxyz": wxyz, "euler": euler, "axis_angle": axis_angle}
+    rotations = {
+        "xyzw": xyzw,
+        "wxyz": wxyz,
+        "rotation": rotation,
+        "euler": euler,
+        "axis_angle": axis_angle,
+    }
     given = [name for name, value in rotations.items() if value is not None]
     if len(given) > 1:
         raise PoseError(f"give at most one rotation, not {' and '.join(given)}")
@@ -87,8 +103,13 @@ def pose(
     elif wxyz is not None:
         w, x, y, z = as_quaternion(_as_finite(wxyz, "wxyz", 4), "wxyz", "w, x, y, z")
         matrix[:3, :3] = np.reshape(rotation_from_xyzw(x, y, z, w), (3, 3))
+    elif rotation is not None:
+        matrix[:3, :3] = as_floats(rotation, "rotation", (3, 3), PoseError)
+        matrix = make_rigid(matrix, "rotation")
     elif euler is not None:
-        matrix[:3, :3] = _turn_by_euler(*_as_finite(euler, "euler", 3))
+        angles = _as_finite(euler, "euler", 3)
+        doubt_degrees(angles, "euler")
+        matrix[:3, :3] = _turn_by_euler(*angles)
     elif axis_angle is not None:
         matrix[:3, :3] = _turn_about(axis_angle)
     return matrix

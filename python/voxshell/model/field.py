@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.base.arguments import as_points
+from voxshell.base.calls import explain_calls
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,7 @@ SERIALS = itertools.count()
 """Numbers that identify bodies while the program runs; Python may reuse an id()."""
 
 
+@explain_calls
 class Field:
     """A signed distance field: the distance of a point from a surface, negative inside.
 

@@ -15,7 +15,9 @@ from voxshell.base.arguments import (
     as_threads,
     check_callable,
 )
+from voxshell.base.calls import explain_calls
 from voxshell.base.input_files import check_exists
+from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
@@ -49,6 +51,8 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import MeshLike
 
 
+@explain_calls
+@know_near_names
 class Model:
     """A mesh prepared for collision: a distance field, a point shell and mass properties.
 
@@ -69,7 +73,7 @@ class Model:
 
     __slots__ = ("_core", "_field", "_is_sparse", "_judged", "_serial", "_shell")
 
-    def __init__(self, core: CoreModel) -> None:
+    def __init__(self, core: CoreModel | None = None) -> None:
         if not isinstance(core, CoreModel):
             raise InputTypeError("build a model with Model.from_mesh(mesh)")
         self._core = core
@@ -225,12 +229,12 @@ class Model:
             raise type(error)(f"{error}; {doubt}") from None
         if doubt:
             warn_user(doubt, MeshWarning)
+        if tolerance is not None:
+            warn_of_coarse_tolerance(tolerance, arrays.vertices)
         if sign == "auto":
             warn_of_faults(core, open)
         model = cls(core)
         if model.tolerance is not None:
-        if tolerance is not None:
-            warn_of_coarse_tolerance(tolerance, arrays.vertices)
             warn_of_accuracy(model.tolerance, model.field, model.accuracy)
         return model
 

@@ -17,6 +17,7 @@ from voxshell._core import (
     sphere_field,
 )
 from voxshell.base.arguments import FARTHEST, as_length, as_real, as_vector
+from voxshell.base.calls import explain_calls
 from voxshell.errors import SettingsError
 from voxshell.model.field import Field
 from voxshell.model.meshes import Mesh, naming_file, read_mesh
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 _HALF_EXTENTS = " in meters, half of the edge lengths along x, y and z"
 
 
+@explain_calls
 class Plane(Field):
     """The half-space below a plane: an infinite solid ground.
 
@@ -83,6 +85,7 @@ class Plane(Field):
         return f"Plane(normal={_round(self._normal)}, offset={self._offset:g})"
 
 
+@explain_calls
 class Box(Field):
     """A solid box of given half extents, centered at its origin and aligned with its axes.
 
@@ -123,6 +126,7 @@ class Box(Field):
         return f"Box(half_extents={_round(self._half_extents)})"
 
 
+@explain_calls
 class Sphere(Field):
     """A solid sphere, centered at its origin.
 
@@ -156,6 +160,7 @@ class Sphere(Field):
         return f"Sphere(radius={self._radius:g})"
 
 
+@explain_calls
 class Capsule(Field):
     """A solid cylinder along z with a hemisphere on each end, centered at its origin.
 
@@ -200,6 +205,7 @@ class Capsule(Field):
         return f"Capsule(radius={self._radius:g}, length={self._length:g})"
 
 
+@explain_calls
 class Cylinder(Field):
     """A solid cylinder of a given whole length along z, centered at its origin.
 
@@ -243,6 +249,7 @@ class Cylinder(Field):
         return f"Cylinder(radius={self._radius:g}, length={self._length:g})"
 
 
+@explain_calls
 class Cone(Field):
     """A solid cone along z: its base is at ``z = -height / 2``, its apex at ``z = height / 2``.
 
@@ -283,6 +290,7 @@ class Cone(Field):
         return f"Cone(radius={self._radius:g}, height={self._height:g})"
 
 
+@explain_calls
 class ConvexPolyhedron(Field):
     """A solid convex polyhedron: the largest of the signed distances to the planes of its faces.
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_integer
+from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError
 
@@ -32,6 +33,7 @@ def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
     return names
 
 
+@know_near_names
 class Contacts:
     """The contacts of two bodies a and b, as parallel arrays; from :func:`voxshell.contacts`.
 

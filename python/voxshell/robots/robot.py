@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ class Strength:
     velocity: float | None
 
 
+@explain_calls
 class Robot:
     """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
 

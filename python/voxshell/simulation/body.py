@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell.base.arguments import as_vector
+from voxshell.base.calls import explain_calls
+from voxshell.base.near_names import know_near_names
 from voxshell.base.pose_forms import as_pose, as_rigid_pose
 from voxshell.base.poses import pose as make_pose
 from voxshell.base.rotations import xyzw_from_rotation
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from voxshell.simulation.motion import Motion
 
 
+@explain_calls
+@know_near_names
 class Body(BodyProperties):
     """A body of a :class:`World`; made by :meth:`World.add`.
 
@@ -151,8 +154,11 @@ class Body(BodyProperties):
         pose = as_pose(value, "pose")
         if pose is not None:
             # Bullet's side checks the most frequent case, which saves 5 us.
-            with suppress(PoseError):
+            try:
                 self._simulation.set_pose(self.number, pose)
+            except PoseError:
+                pass
+            else:
                 return
         self._simulation.set_pose(self.number, as_rigid_pose(value, "pose"))
 
@@ -181,7 +187,8 @@ class Body(BodyProperties):
         """The origin of the body, (3,) float64, meters, world frame, read-only; settable.
 
         Setting it keeps the orientation and otherwise acts like setting :attr:`pose`. The center of
-        mass may be elsewhere.
+        mass may be elsewhere. To move the body by a vector, write ``body.position = body.position +
+        vector``: NumPy refuses ``+=`` and entries, because the array is a copy.
 
         Raises:
             SettingsError: The new position is not three finite numbers.
@@ -191,8 +198,9 @@ class Body(BodyProperties):
             >>> import voxshell as vx
             >>> body = vx.World().add(vx.Sphere(0.1))
             >>> body.position = (0, 0, 1)
+            >>> body.position = body.position + (0, 0, 0.5)
             >>> body.position
-            array([0., 0., 1.])
+            array([0. , 0. , 1.5])
         """
         return read_only(self._simulation.pose(self.number)[:3, 3].copy())
 
@@ -307,7 +315,7 @@ class Body(BodyProperties):
         """Wake a sleeping body."""
         self._simulation.wake(self.number)
 
-    def apply_force(self, force: ArrayLike, *, at: ArrayLike | None = None) -> None:
+    def apply_force(self, force: ArrayLike, at: ArrayLike | None = None) -> None:
         """Apply a force during the next step; for a lasting force, call this before every step.
 
         Args:
@@ -345,12 +353,7 @@ class Body(BodyProperties):
             self.number, as_vector(torque, "torque", " in newton meters")
         )
 
-    def apply_impulse(
-        self,
-        impulse: ArrayLike,
-        *,
-        at: ArrayLike | None = None,
-    ) -> None:
+    def apply_impulse(self, impulse: ArrayLike, at: ArrayLike | None = None) -> None:
         """Change the velocities at once by an impulse.
 
         Args:

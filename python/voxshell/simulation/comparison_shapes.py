@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.base.arguments import as_floats, as_not_negative
+from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError, MeshError, SettingsError
 from voxshell.model.meshes import Mesh, read_mesh
 
@@ -20,6 +21,7 @@ MARGIN = 0.001
 """Bullet's collision margin of these shapes, meters; small enough for bodies of 0.1 m."""
 
 
+@explain_calls
 class GImpact:
     """A mesh that collides triangle by triangle in Bullet's GImpact.
 
@@ -51,6 +53,7 @@ class GImpact:
         return f"GImpact({len(self.mesh.faces)} triangles)"
 
 
+@explain_calls
 class ConvexDecomposition:
     """Convex hulls that together represent a body, as a compound shape of Bullet.
 
@@ -92,6 +95,7 @@ class ConvexDecomposition:
         return f"ConvexDecomposition({len(self.hulls)} hulls, {points} points)"
 
 
+@explain_calls
 class ConvexHull(ConvexDecomposition):
     """The convex hull of a set of points.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.model.model import Model
@@ -22,6 +23,7 @@ Part: TypeAlias = Model | Box | Sphere | Capsule | Cylinder | Cone | GImpact | C
 PARTS = (Model, Box, Sphere, Capsule, Cylinder, Cone, GImpact, ConvexDecomposition)
 
 
+@explain_calls
 class Compound:
     """Several shapes with fixed relative poses that form one body of a :class:`World`.
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell.base.arguments import as_floats, as_not_negative, as_real, as_vector
+from voxshell.base.calls import explain_calls
+from voxshell.base.user_warnings import doubt_degrees
 from voxshell.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -56,6 +58,7 @@ class PointJoint:
     _kind: ClassVar = _bullet.JointKind.POINT
 
 
+@explain_calls
 @dataclass(frozen=True)
 class HingeJoint:
     """A joint that lets the child turn about an axis.
@@ -75,6 +78,9 @@ class HingeJoint:
     Raises:
         SettingsError: The axis is zero, the limits are in the wrong order, or a number is negative
             or not finite.
+
+    Warns:
+        UnitWarning: A limit is probably in degrees: 15, 20, 25 and so on.
 
     Example:
         >>> import math
@@ -102,6 +108,7 @@ class HingeJoint:
         _check_axis(self)
 
 
+@explain_calls
 @dataclass(frozen=True)
 class SliderJoint:
     """A joint that lets the child slide along an axis, without turning.
@@ -163,6 +170,8 @@ def _check_axis(joint: HingeJoint | SliderJoint) -> None:
                 f"limits must be finite, the lower first, not {lower:g} and {upper:g}; "
                 "pass None for no limits"
             )
+        if unit == "radians":
+            doubt_degrees((lower, upper), "limits")
     for name in ("friction", "damping", "stiffness", "armature"):
         as_not_negative(getattr(joint, name), name)
     as_real(joint.spring_position, "spring_position")

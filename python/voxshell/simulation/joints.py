@@ -10,6 +10,8 @@ import numpy as np
 
 from voxshell import _bullet
 from voxshell.base.arguments import as_positive, as_real, is_infinite
+from voxshell.base.calls import explain_calls
+from voxshell.base.near_names import know_near_names
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.joint_kinds import HingeJoint, JointKind, SliderJoint
 from voxshell.simulation.part import WorldPart
@@ -33,6 +35,8 @@ class Reaction:
     torque: NDArray[np.float64]
 
 
+@explain_calls
+@know_near_names
 class Joint(WorldPart):
     """A joint of a :class:`World`; made by :meth:`World.add_joint`.
 
@@ -137,22 +141,33 @@ class Joint(WorldPart):
 
         Raises:
             SettingsError: A number is out of range, or the joint has no axis.
+
+        Example:
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> arm = world.add(vx.Box((0.3, 0.02, 0.02)), mass=1.0)
+            >>> hinge = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, arm)
+            >>> hinge.set_target_position(0.5, max_force=20.0, max_speed=2.0)
+            >>> world.step(200)
+            >>> round(hinge.position, 3)
+            0.5
         """
         target = as_real(position, "position")
-        self._along_axis()
+        simulation = self._along_axis()
         limits = getattr(self.kind, "limits", None)
         if limits is not None and not limits[0] <= target <= limits[1]:
             raise SettingsError(
                 f"position must be within the limits of joint {self.name!r}, {limits[0]:g} to "
                 f"{limits[1]:g}, not {target:g}"
             )
-        self._drive(
+        simulation.set_motor(
+            self._number,
             _bullet.Motor(
                 _bullet.MotorMode.POSITION,
                 target,
                 as_positive(max_force, "max_force"),
                 _as_speed(max_speed),
-            )
+            ),
         )
 
     def follow(

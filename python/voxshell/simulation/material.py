@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from voxshell.base.arguments import as_fraction, as_not_negative
+from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError
 
 
+@explain_calls
 @dataclass(frozen=True)
 class Material:
     """Friction and restitution of a body; many bodies may share one material.

@@ -21,6 +21,8 @@ from voxshell.base.arguments import (
     check_callable,
     is_infinite,
 )
+from voxshell.base.calls import check_takes, explain_calls
+from voxshell.base.near_names import know_near_names
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.limits import check_motions, check_time_step, doubt_gravity
 from voxshell.simulation.recorder import Recorder
@@ -55,6 +57,8 @@ _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
 
 
+@explain_calls
+@know_near_names
 class World(ViewedWorld):
     """A world of stock Bullet (double precision) in which models collide.
 
@@ -65,8 +69,8 @@ class World(ViewedWorld):
     removed raises :class:`SettingsError`. Callbacks of :meth:`step` may use the world.
 
     Args:
-        gravity: (3,), m/s2, world frame.
         time_step: Seconds per step: 1/200 for 200 steps a second.
+        gravity: (3,), m/s2, world frame.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
             those that span the largest area, at most four. "segmented": the deepest of each cluster
             of the point-sphere tree at ``level``, or up to four of each if a body rests on few.
@@ -115,11 +119,11 @@ class World(ViewedWorld):
             warned at the first step with the pair. Or a body turns by more than an eighth of a turn
             in a step, or moves so far in a step that Bullet stops simulating it; warned once per
             body.
+        UnitWarning: ``gravity`` is above 1000 m/s2, as in mm/s2.
 
     Example:
         A ball of 0.1 m falls on the ground and stays there:
 
-        UnitWarning: ``gravity`` is above 1000 m/s2, as in mm/s2.
         >>> import numpy as np
         >>> import trimesh
         >>> import voxshell as vx
@@ -138,9 +142,9 @@ class World(ViewedWorld):
 
     def __init__(
         self,
+        time_step: float = 1.0 / 200.0,
         *,
         gravity: ArrayLike = (0.0, 0.0, -9.81),
-        time_step: float = 1.0 / 200.0,
         contact: Literal["auto", "regular", "segmented"] = "auto",
         shell: Literal["auto", "fewest"] = "auto",
         level: int | None = None,
@@ -163,11 +167,11 @@ class World(ViewedWorld):
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
         acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
+        doubt_gravity(acceleration)
         check_time_step(self.time_step, acceleration)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
-        doubt_gravity(acceleration)
         self._gravity = np.array(acceleration)
         self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
@@ -221,7 +225,7 @@ class World(ViewedWorld):
 
         Raises:
             SettingsError: ``n`` is below 0.
-            InputTypeError: ``callback`` or ``before`` cannot be called.
+            InputTypeError: ``callback`` or ``before`` cannot be called with the world.
             SimulationError: A body's pose or velocity is no longer finite. The world keeps the
                 state of the failed step.
         """
@@ -235,18 +239,22 @@ class World(ViewedWorld):
             self._simulation.step(count)
             check_motions(self._simulation, self._bodies, self._advice)
             return
-        for _ in range(count):
-            if view is not None:
-                view.before_step()
-            if before is not None:
-                before(self)
-            self._simulation.step(1)
-            check_motions(self._simulation, self._bodies, self._advice)
-            self._take_frames()
-            if view is not None:
-                view.after_step()
-            if callback is not None:
-                callback(self)
+        try:
+            for _ in range(count):
+                if view is not None:
+                    view.before_step()
+                if before is not None:
+                    before(self)
+                self._simulation.step(1)
+                check_motions(self._simulation, self._bodies, self._advice)
+                self._take_frames()
+                if view is not None:
+                    view.after_step()
+                if callback is not None:
+                    callback(self)
+        except TypeError:
+            check_takes(self, "the world", callback=callback, before=before)
+            raise
 
     @property
     def time(self) -> float:
@@ -273,13 +281,6 @@ class World(ViewedWorld):
             array([ 0.  ,  0.  , -9.81])
         """
         return self._gravity
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if name in ("gravity", "time_step"):
-            raise AttributeError(
-                f"{name} of a world cannot change: pass {name}=... to voxshell.World()"
-            )
-        super().__setattr__(name, value)
 
     def __reduce__(self) -> NoReturn:
         raise InputTypeError(
@@ -371,6 +372,8 @@ class World(ViewedWorld):
 
     def _find_recorders(self) -> list[Recorder]:
         """Return the recorders that are in use and not stopped."""
+        if not self._recorders:  # as in most steps
+            return []
         in_use = (reference() for reference in tuple(self._recorders))
         return [recorder for recorder in in_use if recorder is not None and not recorder.stopped]
 

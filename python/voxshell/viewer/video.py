@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell.base.arguments import as_integer, as_positive
+from voxshell.base.calls import explain_calls
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
@@ -40,6 +41,7 @@ _FINER = 1.5
 """Pixels drawn for one of the video, along a side. VTK's own smoothing of edges costs twice as much here."""
 
 
+@explain_calls
 def save_video(
     path: Path,
     recording: Recording,
@@ -76,9 +78,9 @@ def save_video(
         FileAccessError: The file cannot be written.
     """
     pixels = _as_size(size)
+    view_axes(up)  # a wrong axis is refused before libraries are loaded
     rate = _DEFAULT_RATES[path.suffix.lower()] if frames_per_second is None else frames_per_second
     timeline = plan_timeline(
-    view_axes(up)  # a wrong axis is refused before libraries are loaded
         [recording],
         frames_per_second=as_positive(rate, "frames_per_second"),
         speed=as_positive(speed, "speed"),

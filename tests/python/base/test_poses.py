@@ -25,6 +25,37 @@ FORMS = {
 SCALED = np.diag([1.01, 1.01, 1.01, 1.0])
 
 
+def test_a_rotation_matrix_with_a_position():
+    assert (vx.pose(POSITION, rotation=MATRIX[:3, :3]) == MATRIX).all()
+    rounded = vx.pose(rotation=np.round(vx.pose(euler=(0.1, 0.2, 0.3))[:3, :3], 4))
+    assert np.abs(rounded[:3, :3].T @ rounded[:3, :3] - np.eye(3)).max() < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("rotation", "message"),
+    [
+        (np.diag([1.0, 1.0, -1.0]), "rotation: it mirrors"),
+        (np.eye(3) * 1.01, "rotation: the rotation is off orthonormal by 0.0201"),
+        (np.eye(4), r"rotation must be \(3, 3\) numbers"),
+        (np.full((3, 3), np.nan), "rotation: an entry is not finite"),
+    ],
+)
+def test_what_is_no_rotation_matrix_is_refused(rotation, message):
+    with pytest.raises(vx.PoseError, match=message):
+        vx.pose(rotation=rotation)
+
+
+@pytest.mark.parametrize("euler", [(0, 0, 90), (-45, 0, 0), (0, 15.0, 0), (np.float32(170), 0, 0)])
+def test_angles_in_degrees_are_doubted(euler):
+    with pytest.warns(vx.UnitWarning, match=r"angles are in radians, and .* math\.radians"):
+        vx.pose(euler=euler)
+
+
+def test_angles_in_radians_are_not_doubted():
+    vx.pose(euler=(-10, 6.28, 3))
+    vx.pose(euler=(0, 0, 94.3))  # as of a body that turns on and on
+
+
 @pytest.fixture(scope="module")
 def box() -> vx.Model:
     return vx.Model.from_mesh(trimesh.creation.box((0.1, 0.2, 0.3)), resolution=20)

@@ -31,7 +31,8 @@ PROJECTIVE = np.eye(4) + np.eye(4, k=-1) * [[0], [0], [0], [1]]
         (0.5, "not 0.5$"),
         ((1.5, 2.5), r"not \[1.5, 2.5\]$"),
         ([["1"] * 4] * 4, "not"),
-        ([[1, 2], [3]], "inhomogeneous"),
+        ([[1, 2], [3]], r"not \[\[1, 2\], \[3\]\]$"),
+        (((1, 2, 3), np.eye(3)), r"call voxshell.pose\(position, rotation=\.\.\.\)$"),
         (np.eye(4, dtype=complex), "complex"),
         (np.eye(4, dtype=bool), "bool"),
         (np.full((4, 4), None), "object"),
@@ -49,6 +50,7 @@ def test_a_wrong_pose_is_refused_by_name(ball: vx.Model, query, name, pose, mess
         query(ball, vx.Plane(), **{name: pose})
     assert name in str(caught.value)
     assert isinstance(caught.value, (vx.VoxshellError, ValueError))
+    assert caught.value.__suppress_context__  # one traceback, without that of the core's error
 
 
 @given(

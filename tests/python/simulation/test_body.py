@@ -621,3 +621,11 @@ def test_a_box_shape_that_falls_on_a_plane_shape_lies_on_it(side, rate):
     box = world.add(vx.Box((side / 2,) * 3), pose=pose, mass=0.01)
     world.step(2 * rate)
     assert box.pose[2, 3] == pytest.approx(side / 2, abs=1e-4)
+
+
+def test_the_place_of_a_force_needs_no_name():
+    balls = [vx.World(gravity=(0, 0, 0)).add(vx.Sphere(0.1)) for _ in range(2)]
+    balls[0].apply_impulse((1, 0, 0), (0, 0, 0.1))
+    balls[1].apply_impulse((1, 0, 0), at=(0, 0, 0.1))
+    assert balls[0].angular_velocity.tolist() == balls[1].angular_velocity.tolist()
+    assert balls[0].angular_velocity[1] > 1.0

@@ -348,7 +348,7 @@ def test_wrong_uses_are_refused(bar):
         world.add_joint("hinge", None, body)
     with pytest.raises(vx.InputTypeError, match="child must be a Body"):
         world.add_joint(hinge, body, None)
-    with pytest.raises(vx.PoseError, match="pose"):
+    with pytest.raises(vx.PoseError, match="child_from_joint: the last row"):
         world.add_joint(hinge, None, body, child_from_joint=2 * np.eye(4))
     with pytest.raises(vx.SettingsError, match="not both"):
         world.add_joint(hinge, None, body, child_from_joint=at(), world_from_joint=at())
@@ -414,3 +414,12 @@ def test_removed_joints_and_bodies_leave_nothing_behind():
         world.remove(body)
     assert min(seconds_of_steps() for _ in range(3)) < 3 * before
     assert world.add(vx.Sphere(0.1)).number == 20_001  # numbers are never given twice
+
+
+def test_limits_in_degrees_are_doubted():
+    with pytest.warns(
+        vx.UnitWarning, match=r"limits: .*-90 radians are 14\.3 turns; .*radians\(-90"
+    ):
+        vx.HingeJoint(limits=(-90, 90))
+    vx.HingeJoint(limits=(-3 * np.pi, 3 * np.pi))
+    vx.SliderJoint(limits=(-90, 90))

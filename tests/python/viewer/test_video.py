@@ -37,6 +37,19 @@ def test_a_video_shows_the_ball_going_right_and_its_contacts(tmp_path: Path, suf
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("size", [640, "640x480", (640,)])
+def test_a_size_is_two_numbers(tmp_path: Path, size):
+    with pytest.raises(vx.SettingsError, match=r"size must be \(width, height\) in pixels, not"):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", size=size)
+
+
+def test_a_video_has_no_option_of_another_name(tmp_path: Path):
+    with pytest.raises(vx.InputTypeError, match="'fps': did you mean frames_per_second"):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", fps=30)
+    with pytest.raises(vx.SettingsError, match="up must be"):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", up="y")
+
+
 def test_a_video_of_an_odd_size_is_refused(tmp_path: Path):
     with pytest.raises(
         vx.SettingsError, match="two even numbers of pixels, not 321 x 200; try 322 x 200"

@@ -1,0 +1,215 @@
+"""Names that users of other libraries try first, and what to use instead.
+
+Nothing here costs time where a name is right: a class has a descriptor for each such name, whereas
+``__getattr__`` and ``__setattr__`` would delay every access.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+Class = TypeVar("Class", bound=type[Any])
+
+_COLORS = "pass colors={body: (255, 0, 0)} to World.view() or Recorder.recording()"
+_FIXED = "World.add() fixes it; remove the body, and add another"
+
+_ABSENT = {
+    "Body": {
+        "color": _COLORS,
+        "orientation": "did you mean orientation_xyzw?",
+        "quaternion": "did you mean orientation_xyzw?",
+        "rotation": "did you mean orientation_xyzw, or pose[:3, :3]?",
+        "velocity": "did you mean linear_velocity?",
+    },
+    "Contacts": {
+        "depth": "did you mean depths?",
+        "normal": "did you mean normals?",
+        "points": "did you mean points_a or points_b?",
+    },
+    "Model": {
+        "mass": "a model has none; pass mass=... to World.add() or Model.mass_properties()",
+        "scale": "pass scale=... to Model.from_mesh()",
+        "show": "call trimesh.Trimesh(*model.mesh).show(), or add it to a World and call World.view()",
+        "view": "add it to a World, and call World.view()",
+        "volume": "take that of its mesh: trimesh.Trimesh(*model.mesh).volume",
+    },
+    "World": {
+        "add_body": "did you mean add?",
+        "add_plane": "call add(voxshell.Plane(), mass=0)",
+        "dt": "did you mean time_step?",
+        "load_mjcf": "call voxshell.load_mjcf(world, path)",
+        "load_urdf": "call voxshell.load_urdf(world, path)",
+        "render": "did you mean view?",
+        "run": "did you mean step?",
+        "save_html": "record first: recorder = world.record(), and after the steps recorder.save_html(path)",
+        "save_video": (
+            "record first: recorder = world.record(), and after the steps recorder.recording().save_video(path)"
+        ),
+        "show": "did you mean view?",
+        "simulate": "did you mean step?",
+        "stepSimulation": "did you mean step?",
+    },
+}
+"""Names that a class does not have, and what to do instead."""
+
+_READ_ONLY = {
+    "Body": {"mass": _FIXED, "motion": _FIXED, "shape": _FIXED},
+    "Joint": {
+        "position": "drive the joint with set_target_position()",
+        "velocity": "drive the joint with set_target_velocity()",
+    },
+    "Model": {"tolerance": "pass tolerance=... to Model.from_mesh()"},
+    "World": {
+        "gravity": "pass gravity=... to voxshell.World()",
+        "time": "it counts the steps; restore_state() returns to an earlier time",
+        "time_step": "pass time_step=... to voxshell.World()",
+    },
+}
+"""Properties of a class that cannot be set, and what to do instead."""
+
+_ARGUMENTS = {
+    "Box": {"size": "pass half_extents, half of each edge length"},
+    "World.add": {
+        "color": _COLORS,
+        "scale": "build the model first: Model.from_mesh(mesh, scale=0.001)",
+        "velocity": "set the body's linear_velocity after it was added",
+    },
+    "World.step": {"dt": "it belongs to the world: World(time_step=...)"},
+    "pose": {"quaternion": "pass xyzw=... (real part last) or wxyz=... (real part first)"},
+}
+"""Arguments that a call does not have, and what to do instead."""
+
+_UNNAMED = {
+    "Box": "pass half of each edge length as one argument: Box((0.5, 0.5, 0.5))",
+    "Compound": "pass one list of pairs of a shape and its pose: Compound([(shape, pose), ...])",
+    "Model.from_mesh": (
+        "name a factor on the lengths, as in scale=0.001; vertices and faces are one argument: "
+        "Model.from_mesh((vertices, faces))"
+    ),
+    "World.add": "name the rest, as in add(shape, mass=1.0, pose=(0, 0, 1))",
+    "pose": "name the order of a quaternion, xyzw=... or wxyz=...; for a matrix, pass rotation=...",
+}
+"""What to do about too many arguments without names."""
+
+_SYNONYMS = {
+    "dt": ("time_step",),
+    "extents": ("half_extents",),
+    "force": ("max_force",),
+    "fps": ("frames_per_second",),
+    "height": ("length",),
+    "length": ("height",),
+    "orientation": ("xyzw", "pose"),
+    "position": ("pose",),
+    "rotation": ("pose",),
+    "rpy": ("euler",),
+    "torque": ("max_force",),
+    "velocity": ("surface_velocity", "linear_velocity"),
+}
+"""Arguments of other libraries, each with those of ours that it may stand for, best first."""
+
+
+class Absent:
+    """A name that a class does not have: its use raises an AttributeError that says what to use."""
+
+    __slots__ = ("_advice", "_name", "_owner")
+
+    def __init__(self, owner: str, name: str, advice: str) -> None:
+        self._owner, self._name, self._advice = owner, name, advice
+
+    def __get__(self, thing: object, cls: type | None = None) -> Any:
+        own = getattr(thing, "__dict__", {})  # of a class that a user has derived
+        if self._name in own:
+            return own[self._name]
+        # Without an object, Python adds no suggestion of its own, which compares letters alone.
+        text = f"{self._owner!r} object has no attribute {self._name!r}: {self._advice}"
+        raise AttributeError(text, name=self._name, obj=None)
+
+    def __set__(self, thing: object, value: object) -> None:
+        if not hasattr(thing, "__dict__"):
+            self.__get__(thing)
+        vars(thing)[self._name] = value
+
+    def __repr__(self) -> str:
+        return f"absent: {self._advice}"
+
+
+class Refusal:
+    """The setter of a property that cannot be set: it raises an AttributeError with a remedy."""
+
+    __slots__ = ("_text",)
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __call__(self, thing: object, value: object) -> NoReturn:
+        """Refuse a value."""
+        raise AttributeError(self._text)
+
+
+def know_near_names(cls: Class) -> Class:
+    """Give a class the errors that the tables of this module have for it.
+
+    Example:
+        >>> class Contacts: ...
+        >>> know_near_names(Contacts)().depth
+        Traceback (most recent call last):
+        AttributeError: 'Contacts' object has no attribute 'depth': did you mean depths?
+        >>> hasattr(Contacts(), "depth"), "depth" in dir(Contacts())
+        (False, False)
+    """
+    owner = cls.__name__
+    for name, advice in _ABSENT.get(owner, {}).items():
+        setattr(cls, name, Absent(owner, name, advice))
+    for name, advice in _READ_ONLY.get(owner, {}).items():
+        given = inspect.getattr_static(cls, name)
+        refusal = Refusal(f"{name} of a {owner.lower()} cannot change: {advice}")
+        setattr(cls, name, property(given.fget, refusal, doc=given.__doc__))
+    cls.__dir__ = _list_names  # pyright: ignore[reportAttributeAccessIssue]
+    return cls
+
+
+def _list_names(thing: Any) -> list[str]:
+    """Return what dir() lists: the names that a thing has."""
+    absent = {name for base in type(thing).__mro__ for name in _ABSENT.get(base.__name__, ())}
+    return [name for name in object.__dir__(thing) if name not in absent]
+
+
+def advise_on_argument(call: str, name: str, known: Collection[str]) -> str:
+    """Return what to do instead of passing an argument that a call does not have; "" if unknown.
+
+    Example:
+        >>> advise_on_argument("World", "dt", ["gravity", "time_step"])
+        'did you mean time_step?'
+        >>> advise_on_argument("Model.from_mesh", "tolerence", ["scale", "tolerance"])
+        'did you mean tolerance?'
+        >>> advise_on_argument("Sphere", "dt", ["radius"])
+        ''
+    """
+    advice = _ARGUMENTS.get(call, {}).get(name)
+    if advice is not None:
+        return advice
+    found = [synonym for synonym in _SYNONYMS.get(name, ()) if synonym in known]
+    if not found:
+        import difflib
+
+        found = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.7)
+    return f"did you mean {found[0]}?" if found else ""
+
+
+def advise_on_unnamed(call: str, values: tuple[Any, ...]) -> str:
+    """Return what to do about too many arguments without names; "" if unknown.
+
+    Example:
+        >>> advise_on_unnamed("Body.apply_force", (0, 0, 1))
+        'pass the three numbers as one argument: apply_force((0, 0, 1))'
+        >>> advise_on_unnamed("World.view", (8080,))
+        ''
+    """
+    advice = _UNNAMED.get(call)
+    if advice is None and len(values) == 3 and all(isinstance(v, (int, float)) for v in values):
+        advice = f"pass the three numbers as one argument: {call.split('.')[-1]}({values})"
+    return advice or ""

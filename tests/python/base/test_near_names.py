@@ -1,0 +1,104 @@
+"""Names of other libraries: an AttributeError that says what to use, and no cost or trace elsewhere."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import pytest
+import trimesh
+import voxshell as vx
+from voxshell.base import near_names
+from voxshell.base.near_names import Absent
+
+
+@pytest.fixture(scope="module")
+def things() -> dict[str, Any]:
+    model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
+    world = vx.World()
+    body = world.add(model)
+    return {
+        "Body": body,
+        "Contacts": vx.contacts(model, vx.Plane()),
+        "Joint": world.add_joint(vx.HingeJoint(), None, body),
+        "Model": model,
+        "World": world,
+    }
+
+
+ABSENT = [(owner, name) for owner, table in near_names._ABSENT.items() for name in table]
+READ_ONLY = [(owner, name) for owner, table in near_names._READ_ONLY.items() for name in table]
+
+
+@pytest.mark.parametrize(("owner", "name"), ABSENT)
+def test_an_absent_name_says_what_to_use(things, owner: str, name: str):
+    thing = things[owner]
+    advice = near_names._ABSENT[owner][name]
+    for use in (lambda: getattr(thing, name), lambda: setattr(thing, name, 1)):
+        with pytest.raises(AttributeError) as caught:
+            use()
+        assert str(caught.value) == f"{owner!r} object has no attribute {name!r}: {advice}"
+        assert caught.value.name == name
+        assert caught.value.obj is None  # or Python adds a name that merely looks similar
+    assert not hasattr(thing, name)
+    assert not hasattr(type(thing), name)
+    assert name not in dir(thing)
+    found = advice.removeprefix("did you mean ").split()[0].rstrip("?,")
+    if found != advice.split()[0]:
+        assert hasattr(thing, found)
+
+
+@pytest.mark.parametrize(("owner", "name"), READ_ONLY)
+def test_a_property_that_cannot_be_set_says_what_to_do(things, owner: str, name: str):
+    thing = things[owner]
+    getattr(thing, name)
+    with pytest.raises(AttributeError) as caught:
+        setattr(thing, name, 1)
+    assert str(caught.value).startswith(f"{name} of a {owner.lower()} cannot change: ")
+    assert getattr(type(thing), name).__doc__
+
+
+@pytest.mark.parametrize("owner", ["Body", "Joint", "Model", "World", "Contacts"])
+def test_other_names_are_refused_as_ever(things, owner: str):
+    for use in (getattr, lambda thing, name: setattr(thing, name, 1)):
+        with pytest.raises(AttributeError, match="no attribute 'colour'"):
+            use(things[owner], "colour")
+
+
+def test_dir_lists_what_is_there(things):
+    assert {"linear_velocity", "apply_force", "mass"} <= set(dir(things["Body"]))
+    assert {"add", "step", "gravity"} <= set(dir(things["World"]))
+    assert "absent: did you mean step?" in repr(vars(vx.World)["run"])
+
+
+def test_classes_made_from_ours_may_use_the_names():
+    class Lab(vx.World):
+        def run(self) -> str:
+            return "runs"
+
+    lab = Lab()
+    lab.dt = 0.1  # pyright: ignore[reportAttributeAccessIssue]
+    assert (lab.dt, lab.run()) == (0.1, "runs")  # pyright: ignore[reportAttributeAccessIssue]
+    with pytest.raises(AttributeError, match="did you mean view"):
+        lab.show()  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_nothing_delays_the_names_that_are_there():
+    for owner in ("Body", "Contacts", "Joint", "Model", "World"):
+        cls = getattr(vx, owner)
+        assert cls.__getattribute__ is object.__getattribute__
+        assert cls.__setattr__ is object.__setattr__
+        assert not hasattr(cls, "__getattr__")
+
+
+def test_models_are_still_copied(things):
+    model = things["Model"]
+    for other in (copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+        assert other.bounds.tolist() == model.bounds.tolist()
+
+
+def test_the_tables_name_no_public_attribute():
+    for owner, table in near_names._ABSENT.items():
+        for name in table:
+            assert isinstance(vars(getattr(vx, owner))[name], Absent)
