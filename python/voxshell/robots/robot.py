@@ -143,6 +143,32 @@ class Robot:
             InputTypeError: ``positions`` does not map names to numbers.
             SettingsError: There is no such joint, it mimics another, the position is beyond its
                 limits, or neither the file nor ``max_force`` states its effort.
+
+        Example:
+            >>> import pathlib, tempfile
+            >>> import voxshell as vx
+            >>> text = '''
+            ... <robot name="mast">
+            ...   <link name="foot"/>
+            ...   <link name="arm">
+            ...     <inertial>
+            ...       <mass value="1"/>
+            ...       <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+            ...     </inertial>
+            ...   </link>
+            ...   <joint name="turn" type="continuous">
+            ...     <parent link="foot"/><child link="arm"/><axis xyz="0 0 1"/>
+            ...   </joint>
+            ... </robot>'''
+            >>> world = vx.World()
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     path = pathlib.Path(folder, "mast.urdf")
+            ...     _ = path.write_text(text)
+            ...     robot = vx.load_urdf(world, path)
+            >>> robot.set_targets({"turn": 0.5}, max_force=50.0)
+            >>> world.step(200)
+            >>> round(robot.joints["turn"].position, 3)
+            0.5
         """
         check_names(positions, "positions")
         for name, position in positions.items():

@@ -75,6 +75,12 @@ class WorldContents:
             ...     world.remove(body)
             >>> world.bodies
             ()
+
+            By name, if names are unique:
+
+            >>> ground = world.add(vx.Plane(), mass=0, name="ground")
+            >>> {body.name: body for body in world.bodies}["ground"] is ground
+            True
         """
         return tuple(self._bodies)
 
@@ -123,7 +129,8 @@ class WorldContents:
             material: **Material**: friction and restitution as one value, which bodies can share.
                 By default friction is 0.5, and the other properties are 0.
             friction: Replaces :attr:`Material.friction`.
-            restitution: Replaces :attr:`Material.restitution`.
+            restitution: Replaces :attr:`Material.restitution`. Bullet multiplies those of both bodies,
+                so a ball bounces only if the ground has restitution, too.
             rolling_friction: Replaces :attr:`Material.rolling_friction`.
             spinning_friction: Replaces :attr:`Material.spinning_friction`.
             motion: **Motion**: "dynamic": forces move the body. "static": nothing moves it.
