@@ -115,10 +115,9 @@ _SYNONYMS = {
 class Absent:
     """A name that a class does not have: its use raises an AttributeError that says what to use."""
 
-    __slots__ = ("_advice", "_name", "_owner")
-
     def __init__(self, owner: str, name: str, advice: str) -> None:
         self._owner, self._name, self._advice = owner, name, advice
+        self.__doc__ = f"Absent: {advice}"  # what help() shows
 
     def __get__(self, thing: object, cls: type | None = None) -> Any:
         own = getattr(thing, "__dict__", {})  # of a class that a user has derived
@@ -132,9 +131,6 @@ class Absent:
         if not hasattr(thing, "__dict__"):
             self.__get__(thing)
         vars(thing)[self._name] = value
-
-    def __repr__(self) -> str:
-        return f"absent: {self._advice}"
 
 
 class Refusal:
