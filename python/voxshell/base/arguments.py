@@ -50,6 +50,22 @@ def show_value(value: Any) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
+def show_apart(*numbers: float) -> list[str]:
+    """Return numbers for a message, with six digits or as many more as tell them apart.
+
+    Example:
+        >>> show_apart(0.5, 0.1 + 0.2)
+        ['0.5', '0.3']
+        >>> show_apart(0.3, 0.1 + 0.2)
+        ['0.3', '0.30000000000000004']
+    """
+    for digits in range(6, 16):
+        texts = [f"{number:.{digits}g}" for number in numbers]
+        if len(set(texts)) == len(set(numbers)):
+            return texts
+    return [repr(float(number)) for number in numbers]
+
+
 def show_array(array: NDArray[Any]) -> str:
     """Return an array for a message: a number or a short row itself, else its shape and type.
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.base.pose_forms import as_rigid_pose
-from voxshell.base.poses import pose as make_pose
 from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
 from voxshell.model.meshes import MeshWarning
 from voxshell.model.shapes import Sphere
 from voxshell.robots.description import RobotDescription, shorten_names
+from voxshell.robots.kinematics import find_child, move_along
 from voxshell.robots.matter import DENSITY, GHOST_MASS, Matter
-from voxshell.robots.robot import Link, Robot, RobotWarning, Strength
+from voxshell.robots.robot import Link, Robot, RobotWarning
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.world import World
 
@@ -88,12 +88,7 @@ class Assembly:
         self._joints_collide = joints_collide
         self._places = {name: world_from_file @ it for name, it in robot.roots.items()}
         for joint in robot.joints:
-            moved = joint.parent_from_child
-            if joint.start != joint.position:
-                frame = joint.child_from_joint
-                moved = moved @ frame @ _move(joint, joint.start - joint.position)
-                moved = moved @ np.linalg.inv(frame)
-            self._places[joint.child] = self._places[joint.parent] @ moved
+            self._places[joint.child] = self._places[joint.parent] @ find_child(joint, joint.start)
 
     def add(self, world: World) -> Robot:
         """Add bodies and joints; after an exception, the world has none of them.
@@ -148,9 +143,7 @@ class Assembly:
             if made is not None:
                 (ball_joints if joint.type == "spherical" else joints)[joint.name] = made
         self._let_follow(joints)
-        strengths = {it.name: Strength(it.effort, it.velocity) for it in robot.joints}
-        mimics = frozenset(joint.name for joint in robot.joints if joint.mimic is not None)
-        return Robot(world, robot.name, links, joints, ball_joints, strengths, mimics)
+        return Robot(world, robot.name, links, joints, ball_joints, robot.joints)
 
     def _friction_of(self, lump: Lump) -> float | None:
         """Return the largest friction of the links, or None if the file has none."""
@@ -181,7 +174,7 @@ class Assembly:
         assert child.body is not None
         parent_from_joint = joint.parent_from_child @ joint.child_from_joint
         if joint.position != 0.0:
-            parent_from_joint = parent_from_joint @ _move(joint, -joint.position)
+            parent_from_joint = parent_from_joint @ move_along(joint, -joint.position)
         made = world.add_joint(
             kind,
             parent.body,
@@ -253,12 +246,10 @@ class Assembly:
             )
         if robot.left_out:
             said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
+        if robot.moved_to_limits:
+            said.append(
+                "has joints that would begin beyond their limits, and begin at the nearest limit "
+                f"({shorten_names(list(robot.moved_to_limits))}); pass positions= to begin elsewhere"
+            )
         if said:
             warn_user(f"{shorten_path(robot.path)} {', and '.join(said)}", RobotWarning)
-
-
-def _move(joint: JointDescription, distance: float) -> NDArray[np.float64]:
-    """Return the motion of a joint in its frame if its position grows by a distance."""
-    if joint.type != "prismatic":
-        return make_pose(axis_angle=(joint.axis, distance))
-    return make_pose(distance * np.array(joint.axis) / np.linalg.norm(joint.axis))

@@ -167,6 +167,7 @@ class RobotDescription:
         links: All links, by name.
         joints: All joints, each before those of its child.
         without_limits: Joints that need limits, but have none in the file.
+        moved_to_limits: Joints that the file has beyond their limits, and the limits that they begin at.
         doubts: Why meshes are probably not in meters, a text for each.
         flat: Links with a collision mesh in a plane, and the thickness that it was given, meters.
         left_out: Contents of the file that are not simulated.
@@ -178,6 +179,7 @@ class RobotDescription:
     links: dict[str, LinkDescription]
     joints: list[JointDescription] = field(default_factory=list)
     without_limits: list[str] = field(default_factory=list)
+    moved_to_limits: dict[str, float] = field(default_factory=dict)
     doubts: list[str] = field(default_factory=list)
     flat: dict[str, float] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)

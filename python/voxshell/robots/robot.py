@@ -3,17 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from voxshell.base.arguments import show_apart
 from voxshell.base.calls import explain_calls
+from voxshell.base.poses import invert
 from voxshell.errors import InputTypeError, SettingsError
+from voxshell.robots.kinematics import find_child
+from voxshell.robots.starts import (
+    HELD_WITHIN,
+    as_positions,
+    clamp,
+    complete_positions,
+    follow,
+    refuse_beyond,
+)
+from voxshell.simulation.joint_kinds import HingeJoint
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
+    from voxshell.robots.description import JointDescription
     from voxshell.simulation.body import Body
     from voxshell.simulation.joints import Joint
     from voxshell.simulation.world import World
@@ -48,14 +64,6 @@ class Link:
         return self.body_from_link if self.body is None else self.body.pose @ self.body_from_link
 
 
-@dataclass(frozen=True)
-class Strength:
-    """Effort and velocity limits of a joint's motor from the file; None if it states none."""
-
-    effort: float | None
-    velocity: float | None
-
-
 @explain_calls
 class Robot:
     """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
@@ -69,8 +77,7 @@ class Robot:
     """
 
     __slots__ = (
-        "_mimics",
-        "_strengths",
+        "_described",
         "_world",
         "ball_joints",
         "bodies",
@@ -86,12 +93,12 @@ class Robot:
         links: dict[str, Link],
         joints: dict[str, Joint],
         ball_joints: dict[str, Joint],
-        strengths: dict[str, Strength],
-        mimics: frozenset[str],
+        described: Iterable[JointDescription],
     ) -> None:
         self._world = world
-        self._strengths = strengths
-        self._mimics = mimics
+        self._described = {
+            joint.name: joint for joint in described
+        }  # each before those of its child
         self.name: str = name
         self.links: dict[str, Link] = links
         self.joints: dict[str, Joint] = joints
@@ -115,14 +122,81 @@ class Robot:
         return colors
 
     @property
-    def positions(self) -> dict[str, float]:
-        """Positions of all moving joints, by name: radians or meters."""
-        return {name: joint.position for name, joint in self.joints.items()}
+    def positions(self) -> Mapping[str, float]:
+        """Present positions of all moving joints, by name: radians or meters; read-only.
+
+        :meth:`set_targets` drives joints to positions, and :meth:`set_positions` puts them there.
+        """
+        return MappingProxyType({name: joint.position for name, joint in self.joints.items()})
 
     @property
-    def velocities(self) -> dict[str, float]:
-        """Velocities of all moving joints, by name: rad/s or m/s."""
-        return {name: joint.velocity for name, joint in self.joints.items()}
+    def velocities(self) -> Mapping[str, float]:
+        """Present velocities of all moving joints, by name: rad/s or m/s; read-only."""
+        return MappingProxyType({name: joint.velocity for name, joint in self.joints.items()})
+
+    def set_positions(self, positions: Mapping[str, float]) -> None:
+        """Put joints at positions at once and at rest, as for a new episode; nothing is hit.
+
+        Other joints keep their positions, except that joints which mimic one of these are put where it
+        puts them. The links that joints connect to these come to rest, and the root keeps its pose.
+        Motors keep their targets, so set those, too.
+
+        Args:
+            positions: Radians or meters, by the names of joints.
+
+        Raises:
+            InputTypeError: ``positions`` does not map names to numbers.
+            SettingsError: There is no such joint, or the position is beyond its limits.
+
+        Example:
+            >>> import pathlib, tempfile
+            >>> import voxshell as vx
+            >>> text = '''
+            ... <robot name="pendulum">
+            ...   <link name="hook"/>
+            ...   <link name="bob"><inertial>
+            ...     <origin xyz="0 0 -0.5"/><mass value="1"/>
+            ...     <inertia ixx="0.004" iyy="0.004" izz="0.004" ixy="0" ixz="0" iyz="0"/>
+            ...   </inertial></link>
+            ...   <joint name="pivot" type="continuous">
+            ...     <parent link="hook"/><child link="bob"/><axis xyz="0 1 0"/>
+            ...   </joint>
+            ... </robot>'''
+            >>> world = vx.World()
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     path = pathlib.Path(folder, "pendulum.urdf")
+            ...     _ = path.write_text(text)
+            ...     robot = vx.load_urdf(world, path)
+            >>> robot.set_positions({"pivot": 0.5})
+            >>> round(robot.positions["pivot"], 6), robot.velocities["pivot"]
+            (0.5, 0.0)
+        """
+        given = as_positions(positions)
+        described = self._described.values()
+        found = complete_positions(described, given, f"joints of robot {self.name!r}")
+        before = {name: link.pose for name, link in self.links.items()}
+        after = dict(before)
+        tops = {name: name for name in self.links}  # of the tree of each link
+        for joint in described:
+            if joint.type == "floating":
+                continue
+            tops[joint.child] = tops[joint.parent]
+            if joint.name in found:
+                parent_from_child = find_child(joint, found[joint.name])
+            else:
+                parent_from_child = invert(before[joint.parent]) @ before[joint.child]
+            after[joint.child] = after[joint.parent] @ parent_from_child
+        moved = {tops[self._described[name].child] for name in found}
+        placed: set[Body] = set()
+        for name, link in self.links.items():
+            if link.body is None or link.body in placed or link.body.motion == "static":
+                continue
+            placed.add(link.body)
+            if tops[name] in moved:
+                link.body.place(after[name] @ invert(link.body_from_link))
+        for name, position in found.items():
+            if isinstance(self.joints[name].kind, HingeJoint):
+                self.joints[name]._count_turns_from(position)
 
     def set_targets(
         self,
@@ -133,6 +207,11 @@ class Robot:
     ) -> None:
         """Drive joints to positions and hold them there; other joints keep their targets.
 
+        Any positions that the robot had are valid, so ``robot.set_targets(robot.positions)`` holds it
+        where it is: a joint that was pressed against its limit, and reads up to 0.001 more, is driven to
+        the limit. A joint that mimics another may be named if the position is that which it has, or is to
+        have, by the other one. After an exception, no target has changed.
+
         Args:
             positions: Radians or meters, by the names of joints.
             max_force: Newton meters or newtons; by default each joint's effort in the file.
@@ -141,8 +220,9 @@ class Robot:
 
         Raises:
             InputTypeError: ``positions`` does not map names to numbers.
-            SettingsError: There is no such joint, it mimics another, the position is beyond its
-                limits, or neither the file nor ``max_force`` states its effort.
+            SettingsError: There is no such joint, the position is beyond its limits, it mimics another
+                joint and would have another position, or neither the file nor ``max_force`` states its
+                effort.
 
         Example:
             >>> import pathlib, tempfile
@@ -170,19 +250,32 @@ class Robot:
             >>> round(robot.joints["turn"].position, 3)
             0.5
         """
-        check_names(positions, "positions")
-        for name, position in positions.items():
-            joint = self._driven(name)
-            joint.set_target_position(
-                position,
+        targets = as_positions(positions)
+        drives: list[Callable[[], None]] = []
+        for name, target in targets.items():
+            joint = self._find(name)
+            described = self._described[name]
+            if described.mimic is not None:
+                self._check_follower(described, targets)
+                continue
+            held = clamp(target, described.limits)
+            if not (_is_held(target, held) or _is_held(target, joint.position)):
+                raise refuse_beyond(described, target)
+            motor = joint._make_position_motor(
+                held,
                 max_force=self._force(name, max_force),
                 max_speed=self._speed(name, max_speed),
             )
+            drives.append(partial(joint._drive, motor))
+        for drive in drives:
+            drive()
 
     def set_target_velocities(
         self, velocities: Mapping[str, float], *, max_force: float | None = None
     ) -> None:
         """Drive joints at velocities; other joints keep their targets.
+
+        After an exception, no target has changed.
 
         Args:
             velocities: Rad/s or m/s, by the names of joints.
@@ -190,16 +283,24 @@ class Robot:
 
         Raises:
             InputTypeError: ``velocities`` does not map names to numbers.
-            SettingsError: As for :meth:`set_targets`.
+            SettingsError: There is no such joint, it mimics another, or neither the file nor
+                ``max_force`` states its effort.
         """
-        check_names(velocities, "velocities")
-        for name, velocity in velocities.items():
-            self._driven(name).set_target_velocity(velocity, max_force=self._force(name, max_force))
+        drives: list[Callable[[], None]] = []
+        for name, velocity in as_positions(velocities, "velocities").items():
+            joint = self._find(name)
+            if self._described[name].mimic is not None:
+                raise SettingsError(f"joint {name!r} mimics another joint: drive that one")
+            force = self._force(name, max_force)
+            motor = joint._make_velocity_motor(velocity, max_force=force)
+            drives.append(partial(joint._drive, motor))
+        for drive in drives:
+            drive()
 
     def release(self) -> None:
         """Turn off all motors, except those of joints that mimic others."""
         for name, joint in self.joints.items():
-            if name not in self._mimics:
+            if self._described[name].mimic is None:
                 joint.release()
 
     def remove(self) -> None:
@@ -208,24 +309,40 @@ class Robot:
             if not part.removed:
                 self._world.remove(part)
 
-    def _driven(self, name: str) -> Joint:
+    def _find(self, name: str) -> Joint:
         if name not in self.joints:
             raise SettingsError(
                 f"robot {self.name!r} has no moving joint {name!r}; it has "
                 f"{', '.join(map(repr, self.joints)) or 'none'}"
             )
-        if name in self._mimics:
-            raise SettingsError(f"joint {name!r} mimics another joint: drive that one")
         return self.joints[name]
 
+    def _check_follower(self, joint: JointDescription, targets: Mapping[str, float]) -> None:
+        """Refuse a target of a joint that mimics another, unless it will be or is there anyway."""
+        assert joint.mimic is not None
+        target, leader = targets[joint.name], joint.mimic[0]
+        if _is_held(target, self.joints[joint.name].position):
+            return
+        if leader not in targets:
+            raise SettingsError(
+                f"joint {joint.name!r} mimics another joint, {leader!r}: drive that one"
+            )
+        expected = follow(joint, targets)
+        if not _is_held(target, expected):
+            given, other = show_apart(target, expected)
+            raise SettingsError(
+                f"joint {joint.name!r} mimics another joint, {leader!r}, whose target puts it at {other}, not "
+                f"at {given}: leave it out"
+            )
+
     def _force(self, name: str, given: float | None) -> float:
-        force = self._strengths[name].effort if given is None else given
+        force = self._described[name].effort if given is None else given
         if force is None:
             raise SettingsError(f"the file states no effort for joint {name!r}; pass max_force")
         return force
 
     def _speed(self, name: str, given: float | None) -> float:
-        speed = self._strengths[name].velocity if given is None else given
+        speed = self._described[name].velocity if given is None else given
         return math.inf if speed is None else speed
 
     def __repr__(self) -> str:
@@ -234,14 +351,6 @@ class Robot:
         return f"Robot({self.name!r}, {links} link{'' if links == 1 else 's'}, {joints})"
 
 
-def check_names(targets: Mapping[str, float], name: str) -> None:
-    """Refuse an argument that does not map the names of joints to numbers.
-
-    Raises:
-        InputTypeError: It does not.
-    """
-    if not isinstance(targets, Mapping):
-        raise InputTypeError(
-            f"{name} must map the names of joints to numbers, as in {{'elbow': 0.5}}, not "
-            f"{type(targets).__name__}"
-        )
+def _is_held(position: float, other: float) -> bool:
+    """Return whether two positions are the same as exactly as a simulation holds joints."""
+    return abs(position - other) <= HELD_WITHIN

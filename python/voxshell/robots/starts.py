@@ -1,25 +1,41 @@
-"""Positions that joints begin at."""
+"""Positions that joints are put at: those that a loader or a robot is given, within their limits."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from voxshell.base.arguments import as_real, show_value
-from voxshell.errors import SettingsError
-from voxshell.robots.robot import check_names
+from voxshell.base.arguments import as_real, show_apart, show_value
+from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable
 
     from voxshell.robots.description import JointDescription, RobotDescription
 
 _UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 """Units of the positions of joints that turn or slide, by type."""
 
-_BEYOND_LIMITS = 1e-3
-"""How far beyond a limit a joint may begin, radians or meters: a joint that a simulation has pressed
-against its limit reads a little more, and a robot may begin as another one ended."""
+HELD_WITHIN = 1e-3
+"""How exactly a simulation holds a joint, radians or meters. A joint that is pressed against its limit
+reads a little more, and one that mimics another lags behind: the positions that a robot had are valid
+positions of a robot."""
+
+
+def as_positions(positions: Mapping[str, float], name: str = "positions") -> dict[str, float]:
+    """Return an argument that maps the names of joints to finite numbers.
+
+    Raises:
+        InputTypeError: It does not map names to numbers.
+        SettingsError: A number is not finite.
+    """
+    if not isinstance(positions, Mapping):
+        raise InputTypeError(
+            f"{name} must map the names of joints to numbers, as in {{'elbow': 0.5}}, not "
+            f"{type(positions).__name__}"
+        )
+    return {joint: as_real(it, f"{name}[{show_value(joint)}]") for joint, it in positions.items()}
 
 
 def as_starts(positions: Mapping[str, float] | None) -> dict[str, float]:
@@ -27,16 +43,16 @@ def as_starts(positions: Mapping[str, float] | None) -> dict[str, float]:
 
     Raises:
         InputTypeError: It does not map names to numbers.
-        SettingsError: A position is not a finite number.
+        SettingsError: A position is not finite.
     """
-    if positions is None:
-        return {}
-    check_names(positions, "positions")
-    return {name: as_real(it, f"positions[{show_value(name)}]") for name, it in positions.items()}
+    return {} if positions is None else as_positions(positions)
 
 
 def begin_at(robot: RobotDescription, starts: Mapping[str, float]) -> None:
     """Let joints begin at positions, and let those that mimic them begin accordingly.
+
+    A joint without a position begins where the file has it, or at the nearest limit if that is beyond its
+    limits; then it is noted in ``robot.moved_to_limits``.
 
     Args:
         robot: The robot, whose joints are replaced.
@@ -45,43 +61,74 @@ def begin_at(robot: RobotDescription, starts: Mapping[str, float]) -> None:
     Raises:
         SettingsError: The robot has no such joint, or the position is beyond the joint's limits.
     """
-    joints = {joint.name: joint for joint in robot.joints if joint.type in _UNITS}
-    unknown = [name for name in starts if name not in joints]
+    given = dict(starts)
+    for joint in robot.joints:
+        nearest = clamp(joint.start, joint.limits)
+        if nearest != joint.start and joint.mimic is None and joint.name not in starts:
+            given[joint.name] = robot.moved_to_limits[joint.name] = nearest
+    found = complete_positions(robot.joints, given, f"joints of {robot.path}")
+    for index, joint in enumerate(robot.joints):
+        start = found.get(joint.name, clamp(joint.start, joint.limits))
+        robot.joints[index] = replace(joint, start=start)
+
+
+def complete_positions(
+    joints: Iterable[JointDescription], positions: Mapping[str, float], owner: str
+) -> dict[str, float]:
+    """Return positions, and those of the joints that mimic these, by name.
+
+    Args:
+        joints: All joints.
+        positions: Radians or meters, by the names of joints.
+        owner: What the joints are of, for error messages: "joints of arm.urdf".
+
+    Raises:
+        SettingsError: There is no such joint, or the position is beyond the joint's limits.
+    """
+    moving = {joint.name: joint for joint in joints if joint.type in _UNITS}
+    unknown = [name for name in positions if name not in moving]
     if unknown:
         raise SettingsError(
-            f"positions names {', '.join(map(show_value, unknown))}, but joints of {robot.path} that turn "
-            f"or slide are {', '.join(map(show_value, joints)) or 'none'}"
+            f"positions names {', '.join(map(show_value, unknown))}, but {owner} that turn "
+            f"or slide are {', '.join(map(show_value, moving)) or 'none'}"
         )
-    for name, start in starts.items():
-        _check_limits(joints[name], start)
-    found = dict(starts)
-    for index, joint in enumerate(robot.joints):
+    for name, position in positions.items():
+        _check_limits(moving[name], position)
+    found = dict(positions)
+    for joint in moving.values():
         followers, leader = [], joint
         while leader.name not in found and leader.mimic is not None:
             followers.append(leader)
-            leader = joints[leader.mimic[0]]
-        if leader.name not in found:
-            continue
-        for follower in reversed(followers):
-            found[follower.name] = _follow(follower, found)
-        robot.joints[index] = replace(joint, start=found[joint.name])
+            leader = moving[leader.mimic[0]]
+        if leader.name in found:
+            for follower in reversed(followers):
+                found[follower.name] = follow(follower, found)
+    return found
 
 
-def _follow(joint: JointDescription, found: Mapping[str, float]) -> float:
-    """Return where a joint begins that mimics another, as near as its limits allow."""
+def follow(joint: JointDescription, found: Mapping[str, float]) -> float:
+    """Return where a joint is that mimics another, as near as its limits allow."""
     assert joint.mimic is not None
     leader, multiplier, offset = joint.mimic
-    wanted = multiplier * found[leader] + offset
-    return wanted if joint.limits is None else min(max(wanted, joint.limits[0]), joint.limits[1])
+    return clamp(multiplier * found[leader] + offset, joint.limits)
 
 
-def _check_limits(joint: JointDescription, start: float) -> None:
-    if joint.limits is None:
-        return
-    lower, upper = joint.limits
-    if not lower - _BEYOND_LIMITS <= start <= upper + _BEYOND_LIMITS:
-        unit = _UNITS[joint.type]
-        raise SettingsError(
-            f"positions[{show_value(joint.name)}] must be within the joint's limits, {lower:g} to {upper:g} "
-            f"{unit} ({joint.where}), not {start:g} {unit}"
-        )
+def clamp(position: float, limits: tuple[float, float] | None) -> float:
+    """Return the nearest position within limits."""
+    return position if limits is None else min(max(position, limits[0]), limits[1])
+
+
+def refuse_beyond(joint: JointDescription, position: float, where: str = "") -> SettingsError:
+    """Return the error about a position beyond a joint's limits."""
+    assert joint.limits is not None
+    unit = _UNITS[joint.type]
+    given, lower, upper = show_apart(position, *joint.limits)
+    return SettingsError(
+        f"positions[{show_value(joint.name)}] must be within the joint's limits, {lower} to {upper} "
+        f"{unit}{where}, not {given} {unit}"
+    )
+
+
+def _check_limits(joint: JointDescription, position: float) -> None:
+    if abs(position - clamp(position, joint.limits)) > HELD_WITHIN:
+        raise refuse_beyond(joint, position, f" ({joint.where})")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_positive, as_real, is_infinite
+from voxshell.base.arguments import as_positive, as_real, is_infinite, show_apart
 from voxshell.base.calls import explain_calls
 from voxshell.base.near_names import know_near_names
 from voxshell.errors import InputTypeError, SettingsError
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from voxshell.simulation.body import Body
+
+_ROUNDING = 1e-9
+"""How far beyond a limit a target may be by rounding, radians or meters, or as a fraction of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,14 +121,7 @@ class Joint(WorldPart):
         Raises:
             SettingsError: A number is out of range, or the joint has no axis.
         """
-        self._drive(
-            _bullet.Motor(
-                _bullet.MotorMode.VELOCITY,
-                as_real(velocity, "velocity"),
-                as_positive(max_force, "max_force"),
-                0.0,
-            )
-        )
+        self._drive(self._make_velocity_motor(velocity, max_force=max_force))
 
     def set_target_position(
         self, position: float, *, max_force: float, max_speed: float = math.inf
@@ -135,7 +131,8 @@ class Joint(WorldPart):
         Each step closes a fifth of the distance, at most at ``max_speed``.
 
         Args:
-            position: Radians over any number of turns, or meters; within the limits.
+            position: Radians over any number of turns, or meters; within the limits. Rounding of
+                1e-9 beyond a limit means the limit.
             max_force: Newton meters or newtons, above 0.
             max_speed: Rad/s or m/s, above 0.
 
@@ -152,23 +149,7 @@ class Joint(WorldPart):
             >>> round(hinge.position, 3)
             0.5
         """
-        target = as_real(position, "position")
-        simulation = self._along_axis()
-        limits = getattr(self.kind, "limits", None)
-        if limits is not None and not limits[0] <= target <= limits[1]:
-            raise SettingsError(
-                f"position must be within the limits of joint {self.name!r}, {limits[0]:g} to "
-                f"{limits[1]:g}, not {target:g}"
-            )
-        simulation.set_motor(
-            self._number,
-            _bullet.Motor(
-                _bullet.MotorMode.POSITION,
-                target,
-                as_positive(max_force, "max_force"),
-                _as_speed(max_speed),
-            ),
-        )
+        self._drive(self._make_position_motor(position, max_force=max_force, max_speed=max_speed))
 
     def follow(
         self,
@@ -234,6 +215,39 @@ class Joint(WorldPart):
     def _count_turns_from(self, position: float) -> None:
         """Count turns such that the present position is the nearest to this one, in radians."""
         self._along_axis().count_joint_turns_from(self._number, position)
+
+    def _make_velocity_motor(self, velocity: float, *, max_force: float) -> _bullet.Motor:
+        """Return the motor of :meth:`set_target_velocity`, and change nothing."""
+        self._along_axis()
+        return _bullet.Motor(
+            _bullet.MotorMode.VELOCITY,
+            as_real(velocity, "velocity"),
+            as_positive(max_force, "max_force"),
+            0.0,
+        )
+
+    def _make_position_motor(
+        self, position: float, *, max_force: float, max_speed: float
+    ) -> _bullet.Motor:
+        """Return the motor of :meth:`set_target_position`, and change nothing."""
+        target = as_real(position, "position")
+        self._along_axis()
+        limits = getattr(self.kind, "limits", None)
+        if limits is not None:
+            held = min(max(target, limits[0]), limits[1])
+            if not math.isclose(target, held, rel_tol=_ROUNDING, abs_tol=_ROUNDING):
+                given, lower, upper = show_apart(target, *limits)
+                raise SettingsError(
+                    f"position must be within the limits of joint {self.name!r}, {lower} to {upper}, "
+                    f"not {given}"
+                )
+            target = held
+        return _bullet.Motor(
+            _bullet.MotorMode.POSITION,
+            target,
+            as_positive(max_force, "max_force"),
+            _as_speed(max_speed),
+        )
 
     def _drive(self, motor: _bullet.Motor) -> None:
         self._along_axis().set_motor(self._number, motor)

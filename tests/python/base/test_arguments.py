@@ -135,6 +135,14 @@ def test_values_are_shown_in_a_short_line(value: object, shown: str):
     assert str(caught.value) == f"mass must be a number, not {shown}"
 
 
+def test_numbers_that_differ_are_shown_so():
+    assert arguments.show_apart(1.0, 2.0, 1 / 3) == ["1", "2", "0.333333"]
+    assert arguments.show_apart(-2.77556e-17, 0.0, 0.31) == ["-2.77556e-17", "0", "0.31"]
+    assert arguments.show_apart(math.radians(30), 0.523599) == ["0.5235988", "0.523599"]
+    assert arguments.show_apart(1.0, math.nextafter(1.0, 2.0)) == ["1.0", "1.0000000000000002"]
+    assert arguments.show_apart(2.0, 2.0) == ["2", "2"]
+
+
 def test_flags_are_true_or_false():
     assert arguments.as_flag(True, "sleeping") is True
     assert arguments.as_flag(np.False_, "sleeping") is False

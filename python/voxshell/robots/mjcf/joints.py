@@ -104,13 +104,6 @@ def read_joint(
     if limits is not None and has_axis:
         limits = limits[0] * unit, limits[1] * unit
     position = (element.number("ref") or 0.0) * unit if has_axis else 0.0
-    start = position
-    if limits is not None and has_axis:
-        start = min(max(position, limits[0]), limits[1])
-        if start != position:
-            left_out.note(
-                "positions beyond the limits: these joints begin at the nearest limit", place.name
-            )
     force = element.numbers("actuatorfrcrange", (2,)) or [0.0]
     return JointDescription(
         place.name,
@@ -121,7 +114,7 @@ def read_joint(
         place.parent_from_child,
         child_from_joint,
         position,
-        start,
+        position,
         (x, y, z),
         limits if has_axis else None,
         max(map(abs, force)) or None,
