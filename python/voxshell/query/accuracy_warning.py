@@ -38,9 +38,10 @@ class Missing(NamedTuple):
 
     def __str__(self) -> str:
         by = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
+        part = f"{100.0 * self.fraction:.3g} % of" if self.fraction <= 1.0 else "more than"
         return (
-            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {100 * self.fraction:.3g} % of "
-            f"{self.of} of {self.length * 1e3:.3g} mm"
+            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {part} {self.of} of "
+            f"{self.length * 1e3:.3g} mm"
         )
 
 
@@ -55,7 +56,7 @@ def _advise(*bodies: Model | Field) -> str:
     """What to do about bodies that may miss much of each other."""
     if any(isinstance(body, Model) and body.tolerance is None for body in bodies):
         build = "build the models to a tolerance, without voxel_size= and resolution="
-        robots = "; load robots with a smaller voxel_size="  # they have no tolerance
+        robots = "; load robots with tolerance=0.0002"  # they are uniform by default
     else:
         build, robots = "build the models to a smaller tolerance=", ""
     return (

@@ -16,6 +16,8 @@ from voxshell.errors import PoseError, SettingsError
 from voxshell.simulation.body_properties import BodyProperties, read_only
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell import _bullet
@@ -45,7 +47,7 @@ class Body(BodyProperties):
         array([0.5, 0. , 0. ])
     """
 
-    __slots__ = ("_center", "_inertia", "_mass", "_shape")
+    __slots__ = ("_center", "_inertia", "_mass", "_regrouped", "_shape")
 
     def __init__(
         self,
@@ -57,8 +59,10 @@ class Body(BodyProperties):
         motion: Motion,
         moves_surfaces: bool,
         matter: MassProperties,
+        regrouped: Callable[[Body], None] | None,
     ) -> None:
         super().__init__(simulation, number, name, motion, moves_surfaces)
+        self._regrouped = regrouped  # called when it may meet others than before
         self._center = matter.center_of_mass
         self._inertia = matter.inertia
         self._shape: Shape = shape
@@ -386,6 +390,11 @@ class Body(BodyProperties):
         self._moved_by_forces("an impulse").apply_torque_impulse(
             self.number, as_vector(impulse, "impulse", " in newton meter seconds")
         )
+
+    def _set_groups(self, **changes: int) -> None:
+        super()._set_groups(**changes)
+        if self._regrouped is not None:
+            self._regrouped(self)
 
     def _moved_by_forces(self, what: str) -> _bullet.Simulation:
         if self.motion == "static":

@@ -217,7 +217,7 @@ class BodyProperties(WorldPart):
 
     @group.setter
     def group(self, value: int) -> None:
-        self._set(group=as_groups(value, "group"))
+        self._set_groups(group=as_groups(value, "group"))
 
     @property
     def mask(self) -> int:
@@ -226,7 +226,10 @@ class BodyProperties(WorldPart):
 
     @mask.setter
     def mask(self, value: int) -> None:
-        self._set(mask=as_groups(value, "mask"))
+        self._set_groups(mask=as_groups(value, "mask"))
+
+    def _set_groups(self, **changes: int) -> None:
+        self._set(**changes)
 
     def _set(self, **changes: object) -> None:
         material = self._simulation.material(self.number)

@@ -233,7 +233,7 @@ class World(ViewedWorld):
         check_callable(callback, "callback")
         check_callable(before, "before")
         if self._pairs is not None:
-            self._pairs.judge(self._bodies)
+            self._pairs.judge(self._bodies, self._joints)
         view = self._view if self._view is not None and self._view.is_open else None
         if callback is None and before is None and view is None and not self._find_recorders():
             self._simulation.step(count)

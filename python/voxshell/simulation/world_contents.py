@@ -230,6 +230,7 @@ class WorldContents:
             motion,
             self._moves_surfaces,
             matter,
+            None if self._pairs is None else self._pairs.renew,
         )
         self._bodies.append(body)
         if self._pairs is not None:
@@ -258,6 +259,8 @@ class WorldContents:
             self._simulation.remove_joint(what._number)
             what._world = None
             self._joints.remove(what)
+            if self._pairs is not None:
+                self._pairs.renew(what.parent, what.child)
             return
         if not isinstance(what, Body):
             raise InputTypeError(f"what must be a Body or a Joint, not {type(what).__name__}")
@@ -267,6 +270,8 @@ class WorldContents:
         self._simulation.remove_body(what.number)
         what._world = None
         self._bodies.remove(what)
+        if self._pairs is not None:
+            self._pairs.forget(what)
 
     def add_joint(
         self,
@@ -349,9 +354,12 @@ class WorldContents:
         if name is not None:
             as_text(name, "name")
         frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
-        settings = make_settings(joint, parent, child, frames, as_flag(collide, "collide"))
+        collides = as_flag(collide, "collide")
+        settings = make_settings(joint, parent, child, frames, collides)
         number = self._simulation.add_joint(settings)
-        made = Joint(self._simulation, number, name or f"joint {number}", joint, parent, child)
+        made = Joint(
+            self._simulation, number, name or f"joint {number}", joint, parent, child, collides
+        )
         self._joints.append(made)
         return made
 
@@ -375,7 +383,10 @@ class WorldContents:
             True
         """
         self._check_two(a, b)
-        self._simulation.set_collision(a.number, b.number, as_flag(collide, "collide"))
+        collides = as_flag(collide, "collide")
+        self._simulation.set_collision(a.number, b.number, collides)
+        if self._pairs is not None:
+            self._pairs.set_collision(a, b, collides)
 
     def _check_two(self, a: Body, b: Body) -> None:
         self._check_own(a, "a")

@@ -6,6 +6,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from poses import moved
+from voxshell.query.accuracy_warning import Missing
 
 
 def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
@@ -18,7 +19,7 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
     assert len(caught) == 1
     assert caught[0].filename == __file__
     assert "to a tolerance, without voxel_size= and resolution= (" in str(caught[0].message)
-    assert "load robots with a smaller voxel_size=" in str(caught[0].message)
+    assert "load robots with tolerance=0.0002)" in str(caught[0].message)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for shell in ("fewest", "a", "b", "both"):
@@ -47,3 +48,12 @@ def test_pairs_of_walls_at_default_settings_do_not_warn():
         for i, a in enumerate(models):
             for b in (*models[i:], vx.Plane(), vx.Box((0.1, 0.1, 0.1)), vx.Sphere(0.05)):
                 vx.collide(a, b)
+
+
+def test_what_is_more_than_a_wall_is_told_without_a_percentage():
+    assert str(Missing(0.0005, 0.002, "the thinner wall", "a")) == (
+        "may miss 0.5 mm in depth with a's points, 25 % of the thinner wall of 2 mm"
+    )
+    assert str(Missing(0.005, 1e-7, "the thinner wall", "both")) == (
+        "may miss 5 mm in depth with both bodies' points, more than the thinner wall of 0.0001 mm"
+    )

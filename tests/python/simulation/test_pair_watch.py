@@ -69,3 +69,76 @@ def test_a_body_that_left_before_the_step_is_not_judged(judged, models):
     world.remove(body)
     put(watch, world, models[1])
     assert judged == []
+
+
+def test_bodies_that_do_not_collide_are_judged_when_they_do(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    a, b = (world.add(model, pose=(9 * i, 0, 0)) for i, model in enumerate(models[:2]))
+    world.set_collision(a, b, False)
+    world.step()
+    assert judged == []
+    world.set_collision(a, b, True)
+    world.step()
+    assert judged == [frozenset(models[:2])]
+
+
+def test_bodies_of_groups_that_do_not_meet_are_judged_when_they_do(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    ghosts = [
+        world.add(model, pose=(9 * i, 0, 0), group=2, mask=1) for i, model in enumerate(models[:2])
+    ]
+    world.step()
+    assert judged == []
+    ghosts[0].mask = 2
+    world.step()
+    assert judged == []
+    ghosts[1].mask = 2
+    world.step()
+    assert judged == [frozenset(models[:2])]
+
+
+def test_bodies_that_a_joint_keeps_apart_are_judged_when_it_is_gone(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    a, b = (world.add(model, pose=(9 * i, 0, 0)) for i, model in enumerate(models[:2]))
+    joint = world.add_joint(vx.FixedJoint(), a, b)
+    world.step()
+    assert judged == []
+    world.remove(joint)
+    world.step()
+    assert judged == [frozenset(models[:2])]
+
+
+def test_bodies_of_a_joint_that_lets_them_collide_are_judged(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    a, b = (world.add(model, pose=(9 * i, 0, 0)) for i, model in enumerate(models[:2]))
+    world.add_joint(vx.FixedJoint(), a, b, collide=True)
+    world.step()
+    assert judged == [frozenset(models[:2])]
+
+
+def test_a_third_body_may_meet_what_the_first_two_may_not(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    other = world.add(models[1])
+    for x in (9, 18):
+        world.set_collision(other, world.add(models[0], pose=(x, 0, 0)), False)
+    world.step()
+    assert judged == [frozenset(models[:1])]
+    world.add(models[0], pose=(27, 0, 0))
+    world.step()
+    assert judged[1:] == [frozenset(models[:2])]
+
+
+def test_one_body_of_two_models_does_not_meet_itself(judged, models):
+    world = vx.World(gravity=(0, 0, 0))
+    world.add(vx.Compound([(models[0], (0, 0, 0)), (models[1], (9, 0, 0))]))
+    world.step()
+    assert judged == []
+
+
+def test_removed_bodies_leave_nothing_behind(models):
+    world, watch = vx.World(), PairWatch()
+    a, b = (world.add(model) for model in models[:2])
+    watch.set_collision(a, b, False)
+    watch.forget(a)
+    watch.forget(b)
+    assert not watch._apart
