@@ -12,15 +12,15 @@ _LARGEST_INT = 2**31 - 1
 
 def as_settings(
     *,
-    tolerance: float | None,
-    voxel_size: float | None,
-    resolution: int | None,
-    point_spacing: float | None,
-    target_points: int | None,
-    padding: float | None,
-    sign: str,
-    open_as: str,
-    sheet_thickness: float | None,
+    tolerance: float | None = None,
+    voxel_size: float | None = None,
+    resolution: int | None = None,
+    point_spacing: float | None = None,
+    target_points: int | None = None,
+    padding: float | None = None,
+    sign: str = "auto",
+    open_as: str = "auto",
+    sheet_thickness: float | None = None,
 ) -> dict[str, Any]:
     """Return the settings of a build as the core takes them; see :meth:`Model.from_mesh`.
 

@@ -20,24 +20,17 @@ from voxshell.base.input_files import check_exists
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
-from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
+from voxshell.errors import InputTypeError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_settings
-from voxshell.model.build_warnings import (
-    warn_of_accuracy,
-    warn_of_coarse_tolerance,
-    warn_of_faults,
-)
-from voxshell.model.cache import compute_key, open_cache
+from voxshell.model.build_warnings import find_flaws, warn_of, warn_of_coarse_tolerance
+from voxshell.model.building import build_core
 from voxshell.model.field import SERIALS, DistanceField
 from voxshell.model.mass_properties import MassProperties
 from voxshell.model.meshes import (
     Mesh,
     MeshWarning,
     as_model_path,
-    doubt_unit,
-    naming_file,
-    read_mesh,
 )
 from voxshell.model.shell import PointShell
 
@@ -205,37 +198,20 @@ class Model:
             open_as=open,
             sheet_thickness=sheet_thickness,
         )
-        count = as_threads(threads)
-        with naming_file(mesh):
-            arrays = read_mesh(mesh, scale)
-        doubt = doubt_unit(mesh, arrays.vertices) if scale is None else ""
-
-        def build() -> CoreModel:
-            return CoreModel.build(*arrays, **settings, threads=count, progress=progress)
-
-        def waiting() -> None:
-            if progress is not None:
-                progress("waiting for another process", 0.0)
-
-        try:
-            with naming_file(mesh):
-                if is_cached:
-                    core = open_cache().fetch(compute_key(arrays, settings), build, waiting)
-                else:
-                    core = build()
-        except (MeshError, MemoryLimitError) as error:
-            if not doubt:
-                raise
-            raise type(error)(f"{error}; {doubt}") from None
+        core, doubt = build_core(
+            mesh,
+            settings,
+            scale=scale,
+            threads=as_threads(threads),
+            is_cached=is_cached,
+            progress=progress,
+        )
         if doubt:
             warn_user(doubt, MeshWarning)
-        if tolerance is not None:
-            warn_of_coarse_tolerance(tolerance, arrays.vertices)
-        if sign == "auto":
-            warn_of_faults(core, open)
         model = cls(core)
-        if model.tolerance is not None:
-            warn_of_accuracy(model.tolerance, model.field, model.accuracy)
+        if tolerance is not None:
+            warn_of_coarse_tolerance(tolerance, model.bounds)
+        warn_of(find_flaws(core, sign=sign, open_as=open))
         return model
 
     def save(self, path: str | os.PathLike[str]) -> None:

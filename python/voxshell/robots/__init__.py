@@ -1,7 +1,8 @@
 """Robots from URDF and MJCF files. COLLADA meshes need an extra: ``pip install voxshell[urdf]``."""
 
 from voxshell.robots.mjcf.load import load_mjcf
-from voxshell.robots.robot import Link, Robot, RobotWarning
+from voxshell.robots.robot import Link, Robot
+from voxshell.robots.robot_warning import RobotWarning
 from voxshell.robots.urdf.load import load_urdf
 
 __all__ = ["Link", "Robot", "RobotWarning", "load_mjcf", "load_urdf"]

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.base.pose_forms import as_rigid_pose
-from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
-from voxshell.model.meshes import MeshWarning
 from voxshell.model.shapes import Sphere
-from voxshell.robots.description import RobotDescription, shorten_names
+from voxshell.robots.description import MIMIC_EFFORT
 from voxshell.robots.kinematics import find_child, move_along
-from voxshell.robots.matter import DENSITY, GHOST_MASS, Matter
-from voxshell.robots.robot import Link, Robot, RobotWarning
+from voxshell.robots.robot import Link, Robot
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.world import World
 
@@ -24,18 +21,15 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.model.shapes import Plane
-    from voxshell.robots.description import JointDescription
+    from voxshell.robots.description import JointDescription, RobotDescription
     from voxshell.robots.lumps import Lump
+    from voxshell.robots.matter import Matter
     from voxshell.simulation.body import Body
     from voxshell.simulation.compound import Compound, Part
     from voxshell.simulation.joints import Joint
 
 _MARKER_RADIUS = 0.005
 """Radius of the ball that represents a body without a surface, meters; it does not collide."""
-
-_MIMIC_EFFORT = 1000.0
-"""Effort of a joint that follows another if the file states none for either, newtons or newton
-meters. It exceeds what robots' joints can exert, so the joint follows like a gear."""
 
 
 def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArray[np.float64]:
@@ -197,59 +191,5 @@ class Assembly:
                     joints[leader],
                     multiplier=multiplier,
                     offset=offset,
-                    max_force=joint.effort or by_name[leader].effort or _MIMIC_EFFORT,
+                    max_force=joint.effort or by_name[leader].effort or MIMIC_EFFORT,
                 )
-
-    def warn(self) -> None:
-        """Warn once about what was missing in the file, what is not simulated, and doubtful units."""
-        for doubt in self._robot.doubts:
-            warn_user(doubt, MeshWarning)
-        robot, matter = self._robot, self._matter
-        efforts = {joint.name: joint.effort for joint in robot.joints}
-        weak = [
-            joint.name
-            for joint in robot.joints
-            if joint.mimic is not None and not (joint.effort or efforts[joint.mimic[0]])
-        ]
-        hulls = "the convex hulls of its collision geometry"
-        lines = [
-            f"{text} ({shorten_names(names)})"
-            for names, text in (
-                (matter.without_mass, f"no mass: used {DENSITY:g} kg/m3 of {hulls}"),
-                (matter.without_shape, f"no mass and no shape: used {GHOST_MASS:g} kg"),
-                (matter.without_inertia, f"no valid inertia: used that of {hulls}"),
-                (
-                    matter.with_bounded_inertia,
-                    "an inertia that no body has: reduced its largest moment to the sum of the others",
-                ),
-                (
-                    robot.without_limits,
-                    "no <limit>, or a lower above the upper one: it moves without limits",
-                ),
-                (
-                    list(robot.flat),
-                    "a flat collision mesh: made it a sheet "
-                    f"{1e3 * max(robot.flat.values(), default=0.0):.3g} mm thick",
-                ),
-                (
-                    weak,
-                    f"no effort to follow its leader with: used {_MIMIC_EFFORT:g} N or N m",
-                ),
-            )
-            if names
-        ]
-        said = []
-        if lines:
-            said.append(
-                f"lacks what a simulation needs: {'; '.join(lines)}; complete the file to avoid "
-                "this warning"
-            )
-        if robot.left_out:
-            said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
-        if robot.moved_to_limits:
-            said.append(
-                "has joints that would begin beyond their limits, and begin at the nearest limit "
-                f"({shorten_names(list(robot.moved_to_limits))}); pass positions= to begin elsewhere"
-            )
-        if said:
-            warn_user(f"{shorten_path(robot.path)} {', and '.join(said)}", RobotWarning)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NoReturn, TypeAlias
 
@@ -11,10 +12,11 @@ from voxshell.base.arguments import show_value
 from voxshell.errors import RobotError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
+    from voxshell.model.build_warnings import Finding
     from voxshell.model.meshes import Mesh
 
 
@@ -24,6 +26,10 @@ JointType: TypeAlias = Literal[
 
 MOST_LINKS = 1000
 """Largest number of links. Every pair of links is considered, so time grows with the square."""
+
+MIMIC_EFFORT = 1000.0
+"""Effort of a joint that follows another if the file states none for either, newtons or newton
+meters. It exceeds what robots' joints can exert, so the joint follows like a gear."""
 
 Color: TypeAlias = tuple[int, int, int]
 """Red, green and blue, 0 to 255."""
@@ -108,6 +114,7 @@ class LinkDescription:
         inertial: None if the file states no mass, or 0.
         color: Color of its first visual.
         friction: Friction of its surface; None if the format has no friction.
+        is_seen: Whether it has a visual in a format in which each visual needs a collision beside it.
     """
 
     name: str
@@ -116,6 +123,7 @@ class LinkDescription:
     inertial: Inertial | None
     color: Color | None
     friction: float | None = None
+    is_seen: bool = False
 
     @property
     def owner(self) -> str:
@@ -167,8 +175,11 @@ class RobotDescription:
         links: All links, by name.
         joints: All joints, each before those of its child.
         without_limits: Joints that need limits, but have none in the file.
+        intangible: Links that are seen, of bodies without a surface.
         moved_to_limits: Joints that the file has beyond their limits, and the limits that they begin at.
         doubts: Why meshes are probably not in meters, a text for each.
+        flaws: Links with a faulty mesh or model, by what was done about the fault, "" if nothing, and by
+            the name of the mesh and the fault: "foot.stl: 3 open edges".
         flat: Links with a collision mesh in a plane, and the thickness that it was given, meters.
         left_out: Contents of the file that are not simulated.
     """
@@ -179,10 +190,27 @@ class RobotDescription:
     links: dict[str, LinkDescription]
     joints: list[JointDescription] = field(default_factory=list)
     without_limits: list[str] = field(default_factory=list)
+    intangible: list[str] = field(default_factory=list)
     moved_to_limits: dict[str, float] = field(default_factory=dict)
     doubts: list[str] = field(default_factory=list)
+    flaws: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     flat: dict[str, float] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
+
+    def note_flaws(self, link: str, mesh: str, flaws: Iterable[Finding]) -> None:
+        """Note what is wrong with the mesh of a link.
+
+        Args:
+            link: The link.
+            mesh: The mesh's path.
+            flaws: What was found.
+        """
+        for flaw in flaws:
+            links = self.flaws.setdefault(flaw.handling, {}).setdefault(
+                f"{os.path.basename(mesh)}: {flaw.defect}", []
+            )
+            if link not in links:
+                links.append(link)
 
     def refuse(self, what: str, at: LinkDescription | JointDescription | None = None) -> NoReturn:
         """Raise a :class:`RobotError` that names the file, and the line of the error."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from voxshell.base.arguments import show_apart
 from voxshell.base.calls import explain_calls
 from voxshell.base.poses import invert
-from voxshell.errors import InputTypeError, SettingsError
+from voxshell.errors import SettingsError
 from voxshell.robots.kinematics import find_child
 from voxshell.robots.starts import (
     HELD_WITHIN,
@@ -33,13 +33,6 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
     from voxshell.simulation.joints import Joint
     from voxshell.simulation.world import World
-
-
-class RobotWarning(UserWarning):
-    """A robot's file lacks what a simulation needs, or contains what is not simulated.
-
-    The message says what was used instead, or lists what is not simulated.
-    """
 
 
 @dataclass(frozen=True, eq=False)

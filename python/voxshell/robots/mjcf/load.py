@@ -14,6 +14,7 @@ from voxshell.robots.mjcf.frictionless import remove_frictions
 from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
 from voxshell.robots.mjcf.reading import read_mjcf
+from voxshell.robots.robot_warning import warn_of_robot
 from voxshell.robots.shapes import MeshSettings, Shaper
 from voxshell.robots.starts import as_starts, begin_at
 
@@ -32,6 +33,7 @@ def load_mjcf(
     path: str | os.PathLike[str],
     *,
     pose: ArrayLike | None = None,
+    tolerance: float | None = None,
     voxel_size: float | None = None,
     resolution: int | None = None,
     mesh_as: Literal["model", "hull"] = "model",
@@ -65,9 +67,13 @@ def load_mjcf(
             that of the file that names them.
         pose: ``world_from_file``, in any form that :func:`pose` lists; the identity by
             default.
-        voxel_size: Voxel size of the models, meters; at most a geom's longest side.
-        resolution: Alternative to ``voxel_size``: voxels along the longest side of each model. The
-            default is 100.
+        tolerance: Largest accepted error of the models, meters, such as 0.0002: see
+            :meth:`Model.from_mesh`. By default models are uniform instead, because the first load then
+            takes a half to an eighth of the time.
+        voxel_size: Alternative to ``tolerance``: voxel size of uniform models, meters; at most a geom's
+            longest side.
+        resolution: Alternative to both: voxels along the longest side of each uniform model. The default
+            is 100.
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull, which MuJoCo uses.
         friction: Coulomb's coefficient of all bodies, instead of the file's.
         self_collision: Let the bodies of one tree collide with each other, as the file specifies.
@@ -93,8 +99,8 @@ def load_mjcf(
             ``positions`` does not map names to numbers.
 
     Warns:
-        RobotWarning: The file contains something that is not simulated, or lacks a mass. The
-            message lists it.
+        RobotWarning: The file contains something that is not simulated, or lacks a mass. Or meshes have
+            faults, models miss their tolerance, or a ``ref`` is beyond limits. The message lists it.
         MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 
     After an exception, the world has none of the file's bodies.
@@ -130,7 +136,7 @@ def load_mjcf(
     world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
     as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
-    settings = MeshSettings(voxel_size, resolution, mesh_as)
+    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
     model = read_mjcf(path, world.gravity)
     robot, filters = model.robot, model.filters
     begin_at(robot, starts)
@@ -177,5 +183,5 @@ def load_mjcf(
             robot.left_out.append(
                 f"collisions of links that overlap at the start ({shorten_names(found)})"
             )
-    assembly.warn()
+    warn_of_robot(robot, matter)
     return made

@@ -9,6 +9,7 @@ from voxshell.base.arguments import as_flag
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
+from voxshell.robots.robot_warning import warn_of_robot
 from voxshell.robots.shapes import MeshSettings, Shaper
 from voxshell.robots.starts import as_starts, begin_at
 from voxshell.robots.urdf.reading import read_urdf
@@ -29,6 +30,7 @@ def load_urdf(
     *,
     pose: ArrayLike | None = None,
     fixed_base: bool = True,
+    tolerance: float | None = None,
     voxel_size: float | None = None,
     resolution: int | None = None,
     mesh_as: Literal["model", "hull"] = "model",
@@ -36,7 +38,7 @@ def load_urdf(
     self_collision: bool = False,
     positions: Mapping[str, float] | None = None,
 ) -> Robot:
-    """Add the robot of a URDF file to a world, with all joints at position 0 or those that you give.
+    """Add the robot of a URDF file to a world, with its joints at 0 or at positions that you give.
 
     Collision meshes become models, which the cache keeps; boxes, spheres, cylinders and capsules
     become analytic shapes. Links that fixed joints hold together become one body, so frames without
@@ -52,14 +54,19 @@ def load_urdf(
         pose: ``world_from_root`` of the root link, in any form that :func:`pose` lists; the identity by
             default.
         fixed_base: Fix the root to the world; then it needs no mass.
-        voxel_size: Voxel size of the models, meters; at most a link's longest side.
-        resolution: Alternative to ``voxel_size``: voxels along the longest side of each model.
-            Without either, models are built to the default tolerance of :meth:`Model.from_mesh`.
+        tolerance: Largest accepted error of the models, meters, such as 0.0002: see
+            :meth:`Model.from_mesh`. By default models are uniform instead, because the first load then
+            takes a half to an eighth of the time.
+        voxel_size: Alternative to ``tolerance``: voxel size of uniform models, meters; at most a link's
+            longest side.
+        resolution: Alternative to both: voxels along the longest side of each uniform model. The default
+            is 100.
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull.
         friction: Coulomb's coefficient of all links.
         self_collision: Let links that no joint connects collide with each other.
         positions: Positions at which joints begin, radians or meters, by name. The others begin at 0,
-            except that joints which mimic one of these begin where it puts them.
+            except that joints which mimic one of these begin where it puts them, and that joints whose
+            limits exclude 0 begin at the nearest limit, with a :class:`RobotWarning`.
 
     Returns:
         The robot.
@@ -79,8 +86,10 @@ def load_urdf(
             ``positions`` does not map names to numbers.
 
     Warns:
-        RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, or the
-            effort of a joint that mimics another. The message says what was used instead.
+        RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, collisions of
+            links that are seen, or the effort of a joint that mimics another. The message says what was
+            used instead. Or meshes have faults, models miss their tolerance, or joints cannot begin at 0;
+            the message names links and meshes, or joints.
         MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 
     After an exception, the world has none of the robot's bodies.
@@ -122,7 +131,7 @@ def load_urdf(
     is_fixed = as_flag(fixed_base, "fixed_base")
     collides_itself = as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
-    settings = MeshSettings(voxel_size, resolution, mesh_as)
+    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
     robot = read_urdf(path)
     begin_at(robot, starts)
     lumps = find_lumps(robot)
@@ -131,6 +140,13 @@ def load_urdf(
     matter = complete_matter(robot, (it for it in unique if not (is_fixed and it is lumps[root])))
     shaper = Shaper(robot, settings)
     shapes = {lump: shaper.shape_of(lump) for lump in unique}
+    robot.intangible.extend(
+        name
+        for lump, shape in shapes.items()
+        if shape is None
+        for name in lump.links
+        if robot.links[name].is_seen
+    )
     meeting = [lump for lump, shape in shapes.items() if shape is not None]
     assembly = Assembly(
         robot,
@@ -143,5 +159,5 @@ def load_urdf(
         joints_collide=False,
     )
     made = assembly.add(world)
-    assembly.warn()
+    warn_of_robot(robot, matter)
     return made

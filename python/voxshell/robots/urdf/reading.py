@@ -173,6 +173,7 @@ def _describe_link(
         collisions,
         _describe_inertial(element.first("inertial")),
         _find_color(element, colors),
+        is_seen=element.first("visual") is not None,
     )
 
 

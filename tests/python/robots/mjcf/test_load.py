@@ -37,6 +37,19 @@ def test_meshes_become_models_or_hulls(write, tmp_path, mesh_as):
     np.testing.assert_allclose(body.bounds.mean(axis=0), (1, 0, 0), atol=1e-6)
 
 
+def test_models_may_have_a_tolerance(write, tmp_path):
+    trimesh.creation.box((0.2, 0.2, 0.2)).export(tmp_path / "box.stl")
+    path = write(
+        "<asset><mesh file='box.stl'/></asset>"
+        "<worldbody><body><freejoint/><geom type='mesh' mesh='box'/></body></worldbody>"
+    )
+    [body] = vx.load_mjcf(vx.World(), path, tolerance=0.0003).bodies
+    assert body.shape.tolerance == pytest.approx(0.0003)
+    [body] = vx.load_mjcf(vx.World(), path).bodies
+    assert body.shape.tolerance is None
+    assert body.shape.field.voxel_size == pytest.approx(0.002)
+
+
 def test_wrong_calls_are_refused(write):
     path = write(PENDULUM)
     with pytest.raises(vx.SettingsError, match="'model' or 'hull', not 'box'"):

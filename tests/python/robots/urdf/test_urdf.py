@@ -217,6 +217,43 @@ def test_a_link_smaller_than_the_voxel_size_gets_a_smaller_one(write, tmp_path):
     assert body.shape.field.voxel_size == pytest.approx(0.008)
 
 
+def test_models_are_uniform_or_built_to_a_tolerance(write, tmp_path):
+    trimesh.creation.box((0.1, 0.05, 0.05)).export(tmp_path / "part.stl")
+    path = write(
+        link("a", '<collision><geometry><mesh filename="part.stl"/></geometry></collision>')
+    )
+    [body] = vx.load_urdf(vx.World(), path).bodies
+    assert body.shape.tolerance is None
+    assert body.shape.field.voxel_size == pytest.approx(0.001)
+    [body] = vx.load_urdf(vx.World(), path, tolerance=0.0003).bodies
+    assert body.shape.tolerance == pytest.approx(0.0003)
+    for sizes in ({"resolution": 50}, {"voxel_size": 0.001}):
+        with pytest.raises(vx.SettingsError, match="give only one of tolerance, voxel_size and re"):
+            vx.load_urdf(vx.World(), path, tolerance=0.0003, **sizes)
+    with pytest.raises(vx.SettingsError, match="tolerance must be"):
+        vx.load_urdf(vx.World(), path, tolerance=-1.0)
+
+
+def test_links_that_cannot_collide_are_not_judged(write, tmp_path):
+    """Two thin plates of a robot, which would miss each other, and a third one beside it."""
+    trimesh.creation.box((1.0, 1.0, 0.004)).export(tmp_path / "plate.stl")
+    mesh = INERTIAL + '<collision><geometry><mesh filename="plate.stl"/></geometry></collision>'
+    path = write(
+        link("a", mesh), link("b", mesh), joint("x", "continuous", "a", "b", '<origin xyz="0 0 1"/>'),
+    )  # fmt: skip
+    world = vx.World()
+    vx.load_urdf(world, path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step()
+    plate = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.004)), resolution=100)
+    world.add(plate, pose=(9, 0, 0))
+    with pytest.warns(
+        vx.AccuracyWarning, match=r"^a pair of models .* load robots with tolerance=0\.0002"
+    ):
+        world.step()
+
+
 @pytest.mark.parametrize("mesh_as", ["model", "hull"])
 def test_meshes_are_scaled_and_placed(write, tmp_path, mesh_as):
     trimesh.creation.box(bounds=[(0, 0, 0), (10, 20, 40)]).export(tmp_path / "part.stl")

@@ -1,0 +1,59 @@
+"""Building what a model consists of from a mesh, or loading it from the cache."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from voxshell._core import Model as CoreModel
+from voxshell.errors import MemoryLimitError, MeshError
+from voxshell.model.cache import compute_key, open_cache
+from voxshell.model.meshes import doubt_unit, naming_file, read_mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from voxshell.model.meshes import MeshLike
+
+
+def build_core(
+    mesh: MeshLike,
+    settings: dict[str, Any],
+    *,
+    scale: float | None = None,
+    threads: int = 0,
+    is_cached: bool = True,
+    progress: Callable[[str, float], object] | None = None,
+) -> tuple[CoreModel, str]:
+    """Return the core of a model, and why it is probably not in meters, or ""; nothing is warned of.
+
+    Args:
+        mesh: As for :meth:`Model.from_mesh`.
+        settings: Of :func:`as_settings`.
+        scale: As for :meth:`Model.from_mesh`.
+        threads: Their number; 0 for one per CPU core.
+        is_cached: ``cache`` of :meth:`Model.from_mesh`.
+        progress: As for :meth:`Model.from_mesh`.
+
+    Raises:
+        VoxshellError: As for :meth:`Model.from_mesh`.
+    """
+    with naming_file(mesh):
+        arrays = read_mesh(mesh, scale)
+    doubt = doubt_unit(mesh, arrays.vertices) if scale is None else ""
+
+    def build() -> CoreModel:
+        return CoreModel.build(*arrays, **settings, threads=threads, progress=progress)
+
+    def waiting() -> None:
+        if progress is not None:
+            progress("waiting for another process", 0.0)
+
+    try:
+        with naming_file(mesh):
+            if is_cached:
+                return open_cache().fetch(compute_key(arrays, settings), build, waiting), doubt
+            return build(), doubt
+    except (MeshError, MemoryLimitError) as error:
+        if not doubt:
+            raise
+        raise type(error)(f"{error}; {doubt}") from None
