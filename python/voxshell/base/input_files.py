@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 from typing import TYPE_CHECKING
 
@@ -11,9 +12,13 @@ from voxshell.errors import FileAccessError, MissingFileError, SettingsError
 if TYPE_CHECKING:
     from pathlib import Path
 
+_URL = re.compile(
+    r"[A-Za-z][A-Za-z0-9+.-]+:/"
+)  # a path has one slash of two, Windows' drives one letter
+
 
 def check_exists(path: str | bytes | os.PathLike[str]) -> None:
-    """Refuse a path at which nothing exists; its reader reports all other problems.
+    """Refuse a path at which nothing exists, also a URL; its reader reports all other problems.
 
     Raises:
         MissingFileError: Nothing exists there.
@@ -21,7 +26,14 @@ def check_exists(path: str | bytes | os.PathLike[str]) -> None:
     try:
         os.stat(path)
     except (FileNotFoundError, NotADirectoryError):
-        raise MissingFileError(f"cannot read {os.fsdecode(path)}: it does not exist") from None
+        name = os.fsdecode(path)
+        if not name:
+            why = "the path is empty"
+        elif _URL.match(name):
+            why = "it does not exist: it is a URL, and only files are read; download it"
+        else:
+            why = "it does not exist"
+        raise MissingFileError(f"cannot read {name or repr(name)}: {why}") from None
     except (OSError, ValueError):
         return
 

@@ -24,6 +24,15 @@ _MOST_ELEMENTS = 200_000
 _OPTIONAL = re.compile(r"\$\(optenv +(\w+) +([^()]*)\)")
 """An environment variable with a default, which ROS would substitute."""
 
+_OTHER_ROOTS = {
+    "robot": "load URDF files with load_urdf",
+    "mujoco": "load MJCF files with load_mjcf",
+    "mujocoinclude": "it is a part of MJCF files; load one that includes it with load_mjcf",
+    "sdf": "SDF files are not read; convert it to URDF or MJCF",
+    "COLLADA": "it is a mesh, not a robot",
+}
+"""What to do about files of other kinds, by their root."""
+
 _PADDING = b"\0 \t\r\n\x1a"
 """Bytes that some exporters append after the last element."""
 
@@ -204,11 +213,13 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
         parser.Parse(text, True)
     except expat.ExpatError as error:
         raise RobotError(f"{path}: it is not valid XML: {error}") from None
-    if roots[0].tag not in dialect.roots:
+    root = roots[0]
+    if root.tag not in dialect.roots:
+        remedy = _OTHER_ROOTS.get(root.tag, "")
         raise RobotError(
-            f"{roots[0].where}: it is a <{roots[0].tag[:60]}>, not a <{dialect.roots[0]}>"
+            f"{root.where}: it is a <{root.tag[:60]}>, not a <{dialect.roots[0]}>{remedy and ': '}{remedy}"
         )
-    return roots[0]
+    return root
 
 
 def _list_counts(counts: Container[int]) -> str:

@@ -80,3 +80,16 @@ def test_a_link_to_nothing_does_not_exist(tmp_path: Path):
     (tmp_path / "link.stl").symlink_to("nowhere.stl")
     with pytest.raises(vx.MissingFileError, match=r"link\.stl: it does not exist"):
         check_exists(os.fsencode(tmp_path / "link.stl"))
+
+
+@pytest.mark.parametrize("name", ENTRANCES)
+def test_addresses_are_told_from_missing_files(name: str):
+    with pytest.raises(
+        vx.MissingFileError, match=f"{name}: .* is a URL, and only files are read; do"
+    ):
+        ENTRANCES[name](f"https://example.com/{name}")
+
+
+def test_an_empty_path_is_called_empty():
+    with pytest.raises(vx.MissingFileError, match=r"^cannot read '': the path is empty$"):
+        vx.Model.from_mesh("")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Literal, NoReturn, cast
 
 import numpy as np
 
@@ -71,7 +71,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
     robot = RobotDescription(path, element.attributes.get("name", "robot"), {}, {})
     found = list(element.all("link"))
     if not found:
-        robot.refuse("it has no <link>")
+        _refuse_without_links(robot, element)
     if len(found) > MOST_LINKS:
         robot.refuse(f"it has {len(found)} links; at most {MOST_LINKS} are read")
     colors = {
@@ -142,6 +142,16 @@ def _describe(path: str, element: Element) -> RobotDescription:
         ordered,
         without_limits=robot.without_limits,
         left_out=robot.left_out,
+    )
+
+
+def _refuse_without_links(robot: RobotDescription, element: Element) -> NoReturn:
+    macro = next((it.tag for it in element.children if it.tag.startswith("xacro:")), None)
+    if macro is None:
+        robot.refuse("it has no <link>")
+    robot.refuse(
+        f"it has no <link>, but <{macro[:60]}>: it is a xacro file that is not expanded; run "
+        f"xacro {robot.path} > robot.urdf, and load the result"
     )
 
 

@@ -50,6 +50,13 @@ def test_models_may_have_a_tolerance(write, tmp_path):
     assert body.shape.field.voxel_size == pytest.approx(0.002)
 
 
+def test_a_urdf_file_is_called_one(tmp_path):
+    path = tmp_path / "robot.xml"
+    path.write_text('<robot name="r"><link name="a"/></robot>')
+    with pytest.raises(vx.RobotError, match="not a <mujoco>: load URDF files with load_urdf"):
+        vx.load_mjcf(vx.World(), path)
+
+
 def test_wrong_calls_are_refused(write):
     path = write(PENDULUM)
     with pytest.raises(vx.SettingsError, match="'model' or 'hull', not 'box'"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -318,6 +319,23 @@ def test_wrong_files_are_refused_by_name(write, message):
     assert str(path) in str(refusal.value)
     assert message in str(refusal.value)
     assert world.bodies == ()
+
+
+OTHER_KINDS = {
+    '<mujoco model="m"/>': "it is a <mujoco>, not a <robot>: load MJCF files with load_mjcf",
+    "<sdf version='1.6'/>": "it is a <sdf>, not a <robot>: SDF files are not read; convert it to URDF",
+    '<robot name="r" xmlns:xacro="x"><xacro:include filename="a.xacro"/></robot>': "it has no <link>, "
+    "but <xacro:include>: it is a xacro file that is not expanded; run xacro ",
+}
+
+
+@pytest.mark.parametrize("text", OTHER_KINDS)
+def test_files_of_other_kinds_are_named(tmp_path, text):
+    path = tmp_path / "robot.urdf"
+    path.write_text(text)
+    with pytest.raises(vx.RobotError, match=re.escape(OTHER_KINDS[text])) as refusal:
+        vx.load_urdf(vx.World(), path)
+    assert str(path) in str(refusal.value)
 
 
 def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
