@@ -88,14 +88,14 @@ print(robot)  # Robot('arm', 4 links, 2 joints that move)
 
 robot.set_targets({{"shoulder": 0.8, "elbow": -0.5}})  # radians, with the efforts of the file
 world.step(400)
-print(robot.positions)  # {{'shoulder': 0.8, 'elbow': -0.5}} to a thousandth
+print(dict(robot.positions))  # {{'shoulder': 0.8, 'elbow': -0.5}} to a thousandth
 print(robot.links["hand"].pose[:3, 3].round(3))  # [0.565 0.    0.476]
 print(robot.joints["elbow"].reaction.torque.round(2))  # what holds the lower arm, newton meters
 ```
 
 All joints begin at position 0, or where you tell them to, as in `vx.load_urdf(world, path, positions={{"elbow": -0.5}})`, in
-radians or meters. They move freely until you drive them. The root link is fixed to the world, unless you pass
-`fixed_base=False`. `vx.load_urdf` returns a `Robot`:
+radians or meters. Joints whose limits exclude 0 begin at the nearest limit, and a `RobotWarning` names them. Joints move freely
+until you drive them. The root link is fixed to the world, unless you pass `fixed_base=False`. `vx.load_urdf` returns a `Robot`:
 
 | what | contents |
 |---|---|
@@ -103,20 +103,25 @@ radians or meters. They move freely until you drive them. The root link is fixed
 | `robot.joints["elbow"]` | a [joint](joints.md) that turns or slides: position, velocity, reaction, motor |
 | `robot.ball_joints` | joints that turn about a point; they have no motor |
 | `robot.bodies` | the bodies of all links |
-| `robot.positions`, `robot.velocities` | radians or meters, and rad/s or m/s, of all joints that turn or slide, by name |
-| `robot.set_targets({{...}})` | drives joints to positions, at most with the effort and the velocity in the file. If the file states no effort, pass `max_force` |
+| `robot.positions`, `robot.velocities` | radians or meters, and rad/s or m/s, of all joints that turn or slide, by name; to read |
+| `robot.set_positions({{...}})` | puts joints at positions at once and at rest, as for a new episode |
+| `robot.set_targets({{...}})` | drives joints to positions, at most with the effort and the velocity in the file. If the file states no effort, pass `max_force`. `robot.set_targets(robot.positions)` holds the robot where it is |
 | `robot.set_target_velocities({{...}})`, `robot.release()` | drive joints at velocities; turn motors off |
 | `robot.remove()` | removes the robot from its world |
 
-Collision meshes become [models](start.md), or convex hulls with `mesh_as="hull"`, which load faster. Links of the robot do not
-collide with each other, unless you pass `self_collision=True`.
+Collision meshes become [models](start.md) of 100 voxels along the longest side, or convex hulls with `mesh_as="hull"`, which
+load faster. If an `AccuracyWarning` says that these models may miss contacts with others, pass a `tolerance` in meters, such as
+`tolerance=0.0002`. The first load then takes two to eight times as long (Panda: 2.5 s instead of 1.1 s, UR5: 13 s instead of
+1.7 s), and steps took 0.4 to 1.9 times as long with six robots. Links of the robot do not collide with each other, unless you
+pass `self_collision=True`. Links without a `<collision>` touch nothing. A `RobotWarning` names those that have a `<visual>`, and
+the links and files of faulty meshes.
 
 ## Robots that were tried
 
 This section lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for
-{steps} steps. Some files leave out masses, inertias or limits. They load with a `RobotWarning`, which states the values that
-voxshell used instead. The last column quotes the error of a refused file. The meshes were loaded {kind}. These
-commands write the page:
+{steps} steps. Some files leave out masses, inertias, limits or collisions, or have joints that cannot begin at 0. They load with a
+`RobotWarning`, which states what voxshell used instead. The last column quotes the error of a refused file. The meshes were
+loaded {kind}. These commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}
@@ -157,17 +162,17 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | `<worldbody>` | the link `world`: one static body, and one for each plane, such as `world/floor` |
 | body | a link with the same name. A body without joints is rigidly part of the body that contains it, or static in `<worldbody>` |
 | body with several joints | a chain of links: the joint `hip_x` moves the link `torso/hip_x`. Each link between two joints gets a tenth of the body's matter |
-| `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss and `actuatorfrcrange` |
+| `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss, stiffness, springref, armature and `actuatorfrcrange` |
 | positions | `qpos` of MuJoCo. `vx.load_mjcf(world, path, positions={{"shoulder": 0.3}})` sets those at the start. A joint whose `ref` is beyond its range begins at the nearest limit |
 | mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
-| box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
+| box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models of 100 voxels along the longest side, or to a `tolerance=`, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
 | `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may collide, their bodies do. Bodies of one tree that overlap at the start by more than 2 % of the smaller one do not collide; a warning names them. Bodies that your program adds collide with all |
 | friction | a body has the largest friction of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one. A warning names each `<pair>` whose friction its bodies do not have |
 | contacts without friction: `condim="1"` of both geoms, `<pair>` with `condim="1"` or friction 0 | as in MuJoCo if all contacts of one of the two bodies are frictionless; a static body or a body of another tree then has friction 0. Otherwise the bodies keep their frictions, and a warning names the geoms |
 | `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>`, global coordinates and meshes that MuJoCo makes (`builtin`) are refused |
 | `<freejoint align="true">`, `alignfree` | the link has the frame of the body's inertia, as in MuJoCo |
 | unknown elements and attributes | refused; the error suggests the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
-| `<actuator>`, `<tendon>`, `<equality>`, springs, armatures, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
+| `<actuator>`, `<tendon>`, `<equality>`, springs and armatures of tendons and balls, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
 | `<option>` | the world's gravity and time step apply; if the file has another gravity, a warning states it |
 | `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
 | solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
