@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from voxshell.base.arguments import as_color
+from voxshell.base.arguments import as_color, as_integer
 from voxshell.base.pose_forms import make_all_rigid, read_poses
 from voxshell.base.rotations import CORRECTED
 from voxshell.errors import PoseError, RecordingError, SettingsError
@@ -26,10 +26,12 @@ class BodyTrack:
         poses: ``world_from_body`` of each frame: (frames, 4, 4), (frames, 3) or (frames, 7)
             float64, or another form of many poses that :func:`voxshell.pose` lists. Stored as
             (frames, 4, 4).
+        start: The first frame in which the body is there. It is not shown before; its poses there
+            are those of this frame.
 
     Raises:
         RecordingError: A shape is wrong, a number is not finite, a face refers to a missing vertex,
-            or a pose is not rigid.
+            a pose is not rigid, or there is no frame ``start``.
 
     Arrays are copied, and the copies are read-only.
 
@@ -48,6 +50,7 @@ class BodyTrack:
     faces: NDArray[np.int64]
     color: tuple[int, int, int] | None
     poses: NDArray[np.float64]
+    start: int = 0
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
@@ -69,6 +72,15 @@ class BodyTrack:
         keep(self, "vertices", vertices)
         keep(self, "faces", faces)
         keep(self, "poses", _as_poses(self.poses, f"{where}: poses"))
+        last = len(self.poses) - 1
+        try:
+            object.__setattr__(self, "start", as_integer(self.start, "start", 0, last))
+        except SettingsError as error:
+            raise RecordingError(f"{where}: {error}") from None
+        if self.start:
+            poses = self.poses.copy()
+            poses[: self.start] = poses[self.start]
+            keep(self, "poses", poses)
         if self.color is not None:
             try:
                 object.__setattr__(self, "color", as_color(self.color, f"{where}: color"))
@@ -82,7 +94,7 @@ class BodyTrack:
 
     @property
     def fixed(self) -> bool:
-        """True if the body has the same pose in every frame."""
+        """True if the body has the same pose in every frame in which it is there."""
         return bool(np.all(self.poses == self.poses[0]))
 
 

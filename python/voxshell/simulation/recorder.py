@@ -13,7 +13,7 @@ from voxshell.simulation.body_shapes import mesh_of
 from voxshell.simulation.tables import as_contacts, compute_forces
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from os import PathLike
     from pathlib import Path
 
@@ -27,8 +27,8 @@ class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 
     It records until :meth:`stop`, until the end of a ``with`` block, or until nothing refers to it
-    any more. Add bodies before the recording begins. In the recording, removed bodies stay at their
-    last pose.
+    any more. Bodies that are added meanwhile are in the recording from the next frame on, and
+    removed bodies stay at their last pose.
 
     Example:
         >>> import voxshell as vx
@@ -45,17 +45,18 @@ class Recorder:
         self,
         simulation: _bullet.Simulation,
         time_step: float,
-        bodies: tuple[Body, ...],
+        bodies: Sequence[Body],
         every: int,
     ) -> None:
         # Do not store the world, so that its recorders do not keep it alive.
         self._simulation = simulation
         self._time_step = time_step
-        self._bodies = bodies
+        self._present = bodies
         self._every = every
         self._steps = 0
         self._stopped = False
-        self._poses: list[NDArray[np.float64]] = []
+        # The poses of each body from the frame on in which it is there first.
+        self._poses: dict[Body, list[NDArray[np.float64]]] = {}
         self._contacts: list[NDArray[np.void]] = []
         self._forces: list[NDArray[np.float64]] = []
         self._take_frame()
@@ -89,18 +90,19 @@ class Recorder:
                 chooses the other colors.
 
         Raises:
-            RecordingError: The world had no body when the recording began.
+            RecordingError: The world had no body in any frame.
             InputTypeError: ``colors`` does not map bodies to colors.
             SettingsError: A color is not three integers from 0 to 255.
         """
         chosen = as_body_colors(colors)
-        poses = np.array(self._poses)
         tracks = []
-        for index, body in enumerate(self._bodies):
+        for body, known in self._poses.items():
             mesh = mesh_of(body.shape)
             faces = mesh.faces.astype(np.int64)
             name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
-            tracks.append(BodyTrack(name, mesh.vertices, faces, chosen.get(body), poses[:, index]))
+            start = len(self._contacts) - len(known)
+            poses = np.array([known[0]] * start + known)
+            tracks.append(BodyTrack(name, mesh.vertices, faces, chosen.get(body), poses, start))
         contacts = ContactTrack.from_frames(
             [
                 (frame["point_b"], frame["normal"], frame["depth"], forces)
@@ -131,25 +133,22 @@ class Recorder:
         )
 
     def __repr__(self) -> str:
-        frames, bodies = len(self._poses), len(self._bodies)
+        frames, bodies = len(self._contacts), len(self._poses)
         return (
             f"Recorder(frames={frames}, bodies={bodies}, time_step={self._every * self._time_step:.6g} s"
             f"{', stopped' if self.stopped else ''})"
         )
 
     def _take_frame(self) -> None:
-        self._poses.append(
-            np.array([*map(self._pose_of, range(len(self._bodies)))]).reshape(-1, 4, 4)
-        )
+        for body in self._present:
+            if not body.removed:
+                self._poses.setdefault(body, [])
+        for body, known in self._poses.items():
+            known.append(known[-1] if body.removed else body.pose)
         contacts = as_contacts(self._simulation.contacts())
-        dynamic = [body.number for body in self._bodies if body.motion == "dynamic"]
+        dynamic = [body.number for body in self._poses if body.motion == "dynamic"]
         self._contacts.append(contacts)
         self._forces.append(compute_forces(contacts, dynamic, self._time_step))
 
-    def _pose_of(self, index: int) -> NDArray[np.float64]:
-        """Return a body's pose; of a removed body the last one."""
-        body = self._bodies[index]
-        return self._poses[-1][index] if body.removed else body.pose
-
     def _is_unique(self, name: str) -> bool:
-        return sum(body.name == name for body in self._bodies) == 1
+        return sum(body.name == name for body in self._poses) == 1

@@ -344,7 +344,8 @@ class World(ViewedWorld):
         """Start to record poses and contacts, now and after every ``every`` steps.
 
         Keep the recorder: it records until its :meth:`Recorder.stop`, or until nothing refers to it
-        any more.
+        any more. Bodies that you add later are recorded from the next frame on; the recording shows
+        them from there. Removed bodies stay at their last pose.
 
         Args:
             every: Steps from one recorded frame to the next, at least 1.
@@ -364,7 +365,7 @@ class World(ViewedWorld):
         recorder = Recorder(
             self._simulation,
             self.time_step,
-            self.bodies,
+            self._bodies,
             as_integer(every, "every", 1, 2**31 - 1),
         )
         self._recorders.append(weakref.ref(recorder, self._recorders.remove))

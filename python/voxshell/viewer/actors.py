@@ -128,15 +128,19 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
 
 
 class _BodyActor:
-    """Moves one body's node."""
+    """Moves one body's node, and hides it until the body is there."""
 
     def __init__(self, node: Any, body: BodyTrack, frames: NDArray[np.int64], scale: float) -> None:
         poses = body.poses[frames]
         self._node = node
         self._turns = np.round(rotations_as_wxyz(poses[:, :3, :3]) / _POSE_GRAIN) * _POSE_GRAIN
         self._places = np.round(poses[:, :3, 3] * (scale / _POSE_GRAIN)) * _POSE_GRAIN
+        self._is_there = frames >= body.start
 
     def show(self, instant: int) -> None:
+        is_there = bool(self._is_there[instant])
+        if self._node.visible != is_there:
+            self._node.visible = is_there
         # viser does not send what has not changed.
         self._node.wxyz = self._turns[instant]
         self._node.position = self._places[instant]

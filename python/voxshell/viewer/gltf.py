@@ -97,6 +97,11 @@ def make_gltf(recording: Recording, *, up: str = "+z", contacts: bool = True) ->
             "rotation": turns[0].tolist(),
         }
         nodes.append(node)
+        if body.start:
+            node["scale"] = [0.0] * 3
+            samplers.append(_appear(data, body.start * recording.time_step))
+            target = {"node": len(nodes) - 1, "path": "scale"}
+            channels.append({"sampler": len(samplers) - 1, "target": target})
         if body.fixed:
             continue
         if times is None:
@@ -171,6 +176,16 @@ def _add_surface(data: _Data, body: BodyTrack) -> dict[str, Any]:
         attributes["NORMAL"] = data.add(normals.astype(np.float32), target=_VERTICES)
     indices = data.add(body.faces.reshape(-1).astype(np.uint32), target=_INDICES)
     return {"attributes": attributes, "indices": indices}
+
+
+def _appear(data: _Data, seconds: float) -> dict[str, Any]:
+    """Return a sampler of a node's scale: 0 before a time, 1 from then on."""
+    sizes = np.repeat([[0.0], [1.0]], 3, axis=1)
+    return {
+        "input": data.add(np.array([0.0, seconds], dtype=np.float32), limits=True),
+        "output": data.add(sizes.astype(np.float32)),
+        "interpolation": "STEP",
+    }
 
 
 @dataclass(frozen=True)

@@ -116,6 +116,8 @@ def plan_stage(lanes: Sequence[Lane], *, up: str) -> Stage:
 def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab]:
     """Return the bodies that are grounds, by name: level fixed boxes under everything that moves.
 
+    Boxes that are not there from the first frame on are bodies like others.
+
     Args:
         recording: The recording.
         stage: The stage; slabs are cut to it.
@@ -126,7 +128,7 @@ def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab
     floor = min((_start_height(body, upward) for body in moving), default=-math.inf)
     slabs = {}
     for body in recording.bodies:
-        if not body.fixed or not _is_level_box(body):
+        if not body.fixed or body.start > 0 or not _is_level_box(body):
             continue
         corners = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
         low, high = corners.min(axis=0), corners.max(axis=0)

@@ -84,6 +84,10 @@ def _add_body(
     move = mesh.AddTranslateOp(usd.UsdGeom.XformOp.PrecisionDouble)
     turn = mesh.AddOrientOp(usd.UsdGeom.XformOp.PrecisionDouble)
     turns = as_steady(rotations_as_wxyz(body.poses[:, :3, :3]))
+    if body.start:
+        visibility = mesh.CreateVisibilityAttr()
+        visibility.Set(usd.UsdGeom.Tokens.invisible, 0.0)
+        visibility.Set(usd.UsdGeom.Tokens.inherited, float(body.start))
     frames = [None] if body.fixed else range(body.frame_count)
     for frame in frames:
         place = body.poses[frame or 0, :3, 3].tolist()

@@ -256,8 +256,15 @@ class _Film:
         frame = int(self._frames[instant])
         for actor, body, _ in self._moving:
             actor.user_matrix = body.poses[frame]
+            actor.visibility = frame >= body.start
         if self._ground is not None:
-            self._ground.cast([(points, body.poses[frame]) for _, body, points in self._moving])
+            self._ground.cast(
+                [
+                    (points, body.poses[frame])
+                    for _, body, points in self._moving
+                    if frame >= body.start
+                ]
+            )
         self._draw_contacts(int(self._contact_frames[instant]))
         seconds = frame * self._recording.time_step
         count = int(self._recording.contacts.counts[frame])

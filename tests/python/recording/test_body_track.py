@@ -31,9 +31,21 @@ def test_a_body_is_fixed_only_if_no_pose_differs():
     assert not BodyTrack("flag", TRIANGLE, FACES, None, poses).fixed
 
 
+def test_a_body_that_comes_later_has_the_pose_with_which_it_comes_before():
+    poses = still(4)
+    poses[:, 0, 3] = [5.0, 6.0, 1.0, 1.0]
+    track = BodyTrack("flag", TRIANGLE, FACES, None, poses, 2)
+    assert track.poses[:, 0, 3].tolist() == [1.0] * 4
+    assert track.fixed
+    assert BodyTrack("flag", TRIANGLE, FACES, None, poses).start == 0
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        ({"start": -1}, "body 'flag': start must be from 0 to 1, not -1"),
+        ({"start": 2}, "body 'flag': start must be from 0 to 1, not 2"),
+        ({"start": 0.5}, "body 'flag': start must be an integer"),
         ({"name": " "}, "needs a name"),
         ({"vertices": np.zeros((3, 2))}, r"shape \(n, 3\), got \(3, 2\)"),
         ({"vertices": np.full((3, 3), np.nan)}, "9 of 9 numbers that are not finite"),

@@ -59,13 +59,46 @@ def test_a_world_without_bodies_has_nothing_to_record():
         vx.World().record().recording()
 
 
-def test_bodies_added_later_are_left_out():
+@pytest.mark.parametrize("first", [0, 1])
+def test_bodies_added_later_are_recorded_from_the_next_frame_on(first: int):
     world = vx.World()
-    world.add(vx.Sphere(0.1))
+    for _ in range(first):
+        world.add(vx.Sphere(0.1), name="first")
+    recorder = world.record(every=2)
+    world.step(3)
+    late = world.add(vx.Sphere(0.2), pose=(1, 0, 0), name="late")
+    poses = []
+    for _ in range(3):
+        world.step(1 if not poses else 2)
+        poses.append(late.pose)
+    recording = recorder.recording()
+    assert [body.name for body in recording.bodies] == ["first"] * first + ["late"]
+    track = recording.bodies[-1]
+    assert (track.start, recording.frame_count) == (2, 5)
+    np.testing.assert_array_equal(track.poses, [poses[0]] * 2 + poses)
+    assert [body.start for body in recording.bodies[:-1]] == [0] * first
+    assert repr(recorder) == f"Recorder(frames=5, bodies={1 + first}, time_step=0.01 s)"
+
+
+def test_forces_on_bodies_added_later_are_those_on_the_moving_body():
+    world = vx.World()
     recorder = world.record()
-    world.add(vx.Sphere(0.2))
+    world.add(vx.Sphere(0.1), mass=2.0, pose=(0, 0, 0.1))
+    world.add(vx.Plane(), mass=0)
+    world.step(400)
+    forces = recorder.recording().contacts.frame(400).forces
+    np.testing.assert_allclose(forces, [[0, 0, 2 * 9.81]], rtol=1e-3)
+
+
+def test_removed_bodies_stay_at_their_last_pose():
+    world = vx.World()
+    ball = world.add(vx.Sphere(0.1))
+    recorder = world.record()
+    world.step(3)
+    last = ball.pose
+    world.remove(ball)
     world.step(2)
-    assert len(recorder.recording().bodies) == 1
+    np.testing.assert_array_equal(recorder.recording().bodies[0].poses[3:], [last] * 3)
 
 
 def test_a_recorder_says_how_much_it_holds():

@@ -37,3 +37,11 @@ def turn_and_fall() -> Recording:
         ),
         ContactTrack.from_frames(frames),
     )
+
+
+def come_later(start: int) -> Recording:
+    """The ball of the other recording alone, which is there from a frame on, and the ground."""
+    recording = turn_and_fall()
+    ball, _, ground = recording.bodies
+    late = BodyTrack(ball.name, ball.vertices, ball.faces, ball.color, ball.poses, start)
+    return Recording(TIME_STEP, (late, ground), ContactTrack.empty(FRAMES))

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from recorded_fall import FRAMES, TIME_STEP, turn_and_fall
+from recorded_fall import FRAMES, TIME_STEP, come_later, turn_and_fall
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
 
@@ -176,3 +176,16 @@ world.record().recording().save_gltf({str(tmp_path / "ball.glb")!r})
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout + done.stderr == ""
     assert (tmp_path / "ball.glb").stat().st_size > 1000
+
+
+def test_a_body_that_comes_later_has_no_size_before(tmp_path: Path):
+    document, binary = read_glb(come_later(20).save_gltf(tmp_path / "late.glb"))
+    (animation,) = document["animations"]
+    (channel,) = (each for each in animation["channels"] if each["target"]["path"] == "scale")
+    node = document["nodes"][channel["target"]["node"]]
+    assert (node["name"], node["scale"]) == ("ball", [0.0] * 3)
+    sampler = animation["samplers"][channel["sampler"]]
+    assert sampler["interpolation"] == "STEP"
+    times = values_of(document, binary, sampler["input"])[:, 0]
+    assert times == pytest.approx([0.0, 20 * TIME_STEP])
+    assert values_of(document, binary, sampler["output"]).tolist() == [[0.0] * 3, [1.0] * 3]

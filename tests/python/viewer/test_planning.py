@@ -159,7 +159,7 @@ class TestStage:
         assert -0.05 < low[2] < 0.0
         assert (high - low)[:2].max() < 0.3
 
-    def test_what_is_above_or_tilted_or_moving_is_no_ground(self):
+    def test_what_is_above_or_tilted_or_moving_or_comes_later_is_no_ground(self):
         stage = plan_stage([Lane("", fall())], up="+z")
         frames = 3
         path = np.zeros((frames, 3))
@@ -169,7 +169,10 @@ class TestStage:
         tilted = BodyTrack("ramp", BLOCK.vertices, BLOCK.faces, None, poses)
         lift = track("lift", BLOCK, path - [0.0, 0.0, 1.0])
         ball = track("ball", BALL, path)
-        recording = Recording(0.1, (above, tilted, lift, ball), ContactTrack.empty(frames))
+        below = np.tile([0.0, 0.0, -2.0], (frames, 1))
+        late = BodyTrack("late", BLOCK.vertices, BLOCK.faces, None, below, 1)
+        bodies = (above, tilted, lift, ball, late)
+        recording = Recording(0.1, bodies, ContactTrack.empty(frames))
         assert find_slabs(recording, stage, up="+z") == {}
 
     @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])

@@ -97,6 +97,20 @@ def test_the_page_plays_offline(play: Callable[[Path], Player], replay: Path):
     assert player.fetched == [replay.as_uri()]
 
 
+def test_a_body_that_comes_later_is_not_seen_before(play: Callable[[Path], Player], tmp_path: Path):
+    recording = fall_and_roll(4)
+    ball, ground = recording.bodies
+    late = BodyTrack(ball.name, ball.vertices, ball.faces, ball.color, ball.poses, LANDS)
+    recording = Recording(TIME_STEP, (late, ground), recording.contacts)
+    player = play(recording.save_html(tmp_path / "late.html"))
+    player.pause()
+    for _ in range(2):
+        player.seek(0.9)
+        player.wait(lambda p: blue(p) > 200, "no ball is seen")
+        player.seek(0.1)
+        player.wait(lambda p: blue(p) == 0, "a ball is seen before it is there")
+
+
 def test_contacts_are_within_a_pixel_of_where_they_are_playing_and_paused(
     play: Callable[[Path], Player], tmp_path: Path
 ):

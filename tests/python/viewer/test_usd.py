@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import voxshell as vx
-from recorded_fall import FRAMES, TIME_STEP, turn_and_fall
+from recorded_fall import FRAMES, TIME_STEP, come_later, turn_and_fall
 
 
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
@@ -75,3 +75,13 @@ def test_without_usd_core_an_error_says_what_to_install(tmp_path: Path, monkeypa
     with pytest.raises(vx.MissingExtraError, match=r"pip install 'voxshell\[usd\]'"):
         turn_and_fall().save_usd(tmp_path / "fall.usda")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_body_that_comes_later_is_invisible_before(tmp_path: Path):
+    pytest.importorskip("pxr", reason="needs usd-core")
+    usd, geometry = (importlib.import_module(f"pxr.{name}") for name in ("Usd", "UsdGeom"))
+    stage = usd.Stage.Open(str(come_later(20).save_usd(tmp_path / "late.usdc")))
+    ball, ground = (prim for prim in stage.Traverse() if prim.IsA(geometry.Mesh))
+    for frame, wanted in ((0, "invisible"), (19, "invisible"), (20, "inherited")):
+        assert geometry.Imageable(ball).ComputeVisibility(frame) == wanted
+        assert geometry.Imageable(ground).ComputeVisibility(frame) == "inherited"

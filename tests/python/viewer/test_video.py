@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import voxshell as vx
-from recorded_fall import turn_and_fall
+from recorded_fall import come_later, turn_and_fall
 
 
 # imageio leaves the pipes to ffmpeg to the garbage collector.
@@ -91,3 +91,15 @@ def test_without_a_library_an_error_says_what_to_install(
     with pytest.raises(vx.MissingExtraError, match=r"pip install 'voxshell\[video\]'"):
         turn_and_fall().save_video(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_body_that_comes_later_is_not_drawn_before(tmp_path: Path):
+    for name in ("pyvista", "imageio", "imageio_ffmpeg"):
+        pytest.importorskip(name, reason="needs pyvista, imageio and imageio-ffmpeg")
+    imageio = importlib.import_module("imageio.v2")
+    path = come_later(30).save_video(tmp_path / "late.mp4", size=(320, 200), frames_per_second=10)
+    with imageio.get_reader(path) as reader:
+        pictures = np.array([picture[..., :3] for picture in reader], dtype=np.int64)
+    red = (pictures[..., 0] > 130) & (pictures[..., 1:].max(axis=-1) < 90)
+    assert (red.sum(axis=(1, 2)) > 30).tolist() == [False] * 5 + [True] * 6
