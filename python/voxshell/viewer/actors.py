@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from voxshell.recording import BodyTrack
 from voxshell.viewer.arrows import ARROW_SHAFT, LONGEST_ARROW, find_arrows
-from voxshell.viewer.grid import add_grid
+from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FLOOR_COLOR, FORCE_COLOR
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import viser
 
 _SLAB_COLOR = (226, 230, 235)
-_GRID_LIFT = 0.002  # display units; enough to lie on the slab without flicker
+_GRID_LIFT = 0.002  # display units; enough to lie on the slab without flicker, and below bodies
 # Numbers are rounded to multiples of a power of two that are too small to see: they compress well.
 _POSE_GRAIN = 2.0**-16  # display units, and components of a quaternion; a tenth of a pixel
 _PIN_GRAIN = 2.0**-13
@@ -276,7 +276,7 @@ def _add_slab(
     """Add a plate with a grid on top, whose lines pass through the recording's origin."""
     _, _, upward = view_axes(script.up)
     low, high = slab.low * script.stage.scale, slab.high * script.stage.scale
-    center, size = 0.5 * (low + high), high - low
+    center, size = 0.5 * (low + high) - DROP * upward, high - low
     scene.add_box(name, color=color, dimensions=_triple(size), position=_triple(center))
     cell = script.stage.cell * script.stage.scale
     # The grid's lines start at its center. So a line must pass through the center, and the grid's
@@ -327,7 +327,7 @@ def _add_floor(
     level = upward == 0.0
     cell = script.stage.cell * script.stage.scale
     middle = np.round(0.5 * (low + high) / cell) * cell
-    place = np.where(level, middle, surface * script.stage.scale)
+    place = np.where(level, middle, surface * script.stage.scale) - DROP * upward
     reach = _FLOOR * float((high - low)[level].max()) / (1.0 if script.lane_count == 1 else 3.0)
     first, second = np.flatnonzero(level)
     add_grid(

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 _SHADOW = 0.42
 """How much darker a floor is in shadow."""
 
+DROP = 0.004
+"""How far below its true height a ground is drawn, display units: less than a pixel. At the same height, the faces of
+bodies that lie on it would flicker."""
+
 _CELL_COLOR, _SECTION_COLOR = (188, 194, 202), (150, 158, 168)
 
 

@@ -11,7 +11,7 @@ from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
 from voxshell.viewer.arrows import find_arrows
-from voxshell.viewer.grid import add_grid
+from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.palette import (
     BODY_COLORS,
     FIXED_COLOR,
@@ -270,7 +270,7 @@ class LiveScene:
         side = _GROUND_SIDE * _DIAGONAL
         cell = self.cell * self.scale
         place = np.round(_foot(body.shape, pose, middle) * self.scale / cell) * cell
-        place += normal * (normal @ (_foot(body.shape, pose, middle) * self.scale - place))
+        place += normal * (normal @ (_foot(body.shape, pose, middle) * self.scale - place) - DROP)
         frame = self._scene.add_frame(
             f"/bodies/plane {body.number}",
             show_axes=False,

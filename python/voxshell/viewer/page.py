@@ -35,6 +35,8 @@ def add_heading(
     grid: float | None,
     strongest: float = 0.0,
     plots: str = "",
+    ground: float | None = None,
+    seconds: float = 0.0,
 ) -> str:
     """Add a heading with a legend to the player's page, and forbid network access.
 
@@ -48,6 +50,8 @@ def add_heading(
         grid: Distance of grid lines, meters; None if there is no grid.
         strongest: Force of the longest arrow, newtons; 0 if there are no arrows.
         plots: HTML from :func:`~voxshell.viewer.time_plots.draw_time_plots`.
+        ground: Height above which the camera stays, display units; None if there is no ground.
+        seconds: Of playback up to the last picture, where the clock ends; 0 if nothing plays.
 
     Raises:
         RecordingError: The page has no head or body, so the player is not the expected one.
@@ -86,6 +90,8 @@ def add_heading(
         "force": "#{:02x}{:02x}{:02x}".format(*FORCE_COLOR),
         "room": f"{ROOM_LIGHT:g}",
         "aspect": f"{VIEW_ASPECT:g}",
+        "seconds": f"{seconds:.6g}",
+        "ground": "null" if ground is None else f"{ground:.6g}",
     }
     heading = re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], heading)
     head, body = page.find("<head>"), page.rfind("</body>")

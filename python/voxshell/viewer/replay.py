@@ -20,7 +20,7 @@ from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import full_depth
 from voxshell.viewer.server import silent_server
-from voxshell.viewer.stage import place_camera, plan_stage
+from voxshell.viewer.stage import find_ground_height, place_camera, plan_stage
 from voxshell.viewer.time_plots import draw_time_plots
 from voxshell.viewer.timeline import Timeline, plan_timeline
 
@@ -43,24 +43,24 @@ def save_replay(
     are drawn as thin plates with a grid, cut to the stage. If there is none, a plate with a grid is
     drawn below everything. Contacts are balls, colored by depth, with an arrow for the normal force
     on the moving body. If a recording has no forces, they are pins with a stem along the normal. If
-    a shown step has no contacts, it shows those of a skipped step before it. The number below a
-    lane counts all contacts of the shown step. Plots show that number and the largest depth over
+    a shown frame has no contacts, it shows those of a skipped frame before it. The number below a
+    lane counts all contacts of the shown frame. Plots show that number and the largest depth over
     time.
 
     Args:
         path: The file, usually with the suffix .html; written completely or not at all.
         lanes: The recordings; see :func:`voxshell.viewer.lanes.arrange_lanes`. Their time steps may
-            differ: each shows its latest step.
+            differ: each shows its latest frame.
         title: Heading of the page.
         caption: A sentence below the heading.
         up: The world axis that points up, such as "+z" or "+y".
-        frames_per_second: Largest number of frames per second of playback; every n-th step is
-            shown.
+        frames_per_second: Largest number of frames per second of playback; every n-th frame of the
+            recording is shown.
         speed: Simulated seconds per second of playback; 1 is real time, 0.25 slow motion. The play
             bar can change it.
         max_contacts: Largest number of pins in a lane at a time; from more contacts, an even sample
             is drawn.
-        hold: Seconds to show the last frame before the replay starts again.
+        hold: Seconds to show the last frame before the replay starts again; the clock stands.
 
     Returns:
         The path of the file.
@@ -130,6 +130,8 @@ def make_replay(
         strongest=script.strongest,
         grid=stage.cell,
         plots=draw_time_plots(lanes, script.timeline),
+        ground=find_ground_height(recordings, stage, up=up) * stage.scale,
+        seconds=float(script.timeline.pauses.sum()),
     )
 
 
@@ -166,13 +168,16 @@ def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
         pace = f"Plays {1.0 / timeline.speed:.3g} times slower than real time"
     else:
         pace = f"Plays {timeline.speed:.3g} times faster than real time"
+    # How many steps the simulation made between two frames, a recording does not say.
     rates = sorted({round(1.0 / lane.recording.time_step, 6) for lane in lanes})
-    steps = f"{rates[0]:.6g}" if len(rates) == 1 else f"{rates[0]:.6g} to {rates[-1]:.6g}"
+    frames = f"{rates[0]:.6g}" if len(rates) == 1 else f"{rates[0]:.6g} to {rates[-1]:.6g}"
     if timeline.stride == 1:
-        shown = "every step is shown"
+        shown = "all of which are shown"
     elif len(rates) == 1:
-        shown = f"one step in {timeline.stride} is shown"
+        shown = f"of which one in {timeline.stride} is shown"
     else:
-        shown = f"{rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
-    text = f"{pace}: {round(timeline.times[-1], 2):g} s at {steps} steps a second, {shown}."
+        shown = f"shown in {rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
+    text = (
+        f"{pace}: {round(timeline.times[-1], 2):g} s of {frames} recorded frames a second, {shown}."
+    )
     return text if timeline.speed == 1.0 else f"{text} The bar counts seconds of playing."

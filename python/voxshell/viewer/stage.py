@@ -150,6 +150,18 @@ def find_slabs(recording: Recording, stage: Stage, *, up: str) -> dict[str, Slab
     return slabs
 
 
+def find_ground_height(recordings: Sequence[Recording], stage: Stage, *, up: str) -> float:
+    """Return the height of the highest ground, meters along ``up``: of a slab, or under what moves."""
+    _, _, upward = view_axes(up)
+    heights = []
+    for recording in recordings:
+        slabs = find_slabs(recording, stage, up=up).values()
+        tops = [max(upward @ slab.low, upward @ slab.high) for slab in slabs]
+        low, high = activity_bounds(recording)
+        heights.append(max(tops, default=min(upward @ low, upward @ high)))
+    return float(max(heights))
+
+
 def find_paths(recording: Recording) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Return boxes, low (3,) and high (3,) in meters, that hold all that moves at some instants."""
     frames = np.unique(np.linspace(0, recording.frame_count - 1, _LOOKS).round().astype(np.int64))
@@ -164,7 +176,11 @@ def find_paths(recording: Recording) -> list[tuple[NDArray[np.float64], NDArray[
 
 
 def place_camera(
-    boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], *, rows: int, up: str
+    boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+    *,
+    rows: int,
+    up: str,
+    aspect: float = VIEW_ASPECT,
 ) -> Camera:
     """Return a camera that sees all boxes from the front and slightly above, as near as possible.
 
@@ -172,6 +188,7 @@ def place_camera(
         boxes: low (3,) and high (3,) of each, display units.
         rows: Rows of lanes; for more than one, the camera is higher.
         up: The world axis that points up.
+        aspect: Width of the picture over its height.
     """
     right, forward, upward = view_axes(up)
     corners = np.array(
@@ -193,11 +210,11 @@ def place_camera(
     for _ in range(40):
         seen = corners - (target - distance * away)
         depth = seen @ away
-        x = seen @ right / (depth * tangent * VIEW_ASPECT)
+        x = seen @ right / (depth * tangent * aspect)
         y = seen @ above / (depth * tangent)
         shift_x = 0.5 * (x.min() + x.max()) - middle[0]
         shift_y = 0.5 * (y.min() + y.max()) - middle[1]
-        target = target + distance * tangent * (shift_x * VIEW_ASPECT * right + shift_y * above)
+        target = target + distance * tangent * (shift_x * aspect * right + shift_y * above)
         fill = max(np.ptp(x) / wanted[0], np.ptp(y) / wanted[1])
         distance *= 1.0 + 0.7 * (float(fill) - 1.0)
     return Camera(target - distance * away, target, _FIELD_OF_VIEW)

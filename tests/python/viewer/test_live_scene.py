@@ -66,6 +66,16 @@ def test_arrows_begin_at_contacts_and_are_as_long_as_their_forces_up_to_a_limit(
     assert lengths.max() <= scene.extent.body * 1.0001
 
 
+def test_a_ground_is_drawn_a_hair_below_what_lies_on_it(scene: LiveScene):
+    world = vx.World()
+    plane = world.add(vx.Plane(offset=0.5), mass=0)
+    world.add(vx.Box((0.1, 0.1, 0.1)), pose=(0, 0, 0.6))
+    scene.show(read_frame(world), NOTHING_PULLS)
+    # Display units, of which the view is six long.
+    below = 0.5 * scene.scale - float(scene._grounds[plane].position[2])
+    assert 0.001 < below < 0.006
+
+
 def test_what_is_seen_holds_all_near_bodies_and_the_plane_below_but_nothing_far_away(
     scene: LiveScene,
 ):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,12 +14,14 @@ import pytest
 import trimesh
 import viser
 from marks_on_page import read_drawn
-from player import Player
+from player import PATIENCE, Player
+from playwright.sync_api import expect
 from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, arrange_lanes
-from voxshell.viewer.replay import save_replay
+from voxshell.viewer.replay import _describe_rate, save_replay
 from voxshell.viewer.stage import plan_stage
+from voxshell.viewer.timeline import plan_timeline
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
 BLOCK = trimesh.creation.box((2.0, 2.0, 0.5))
@@ -145,6 +148,50 @@ def test_contacts_are_within_a_pixel_of_where_they_are_playing_and_paused(
     assert found[-1][0] > LANDS
 
 
+def test_the_clock_and_the_bar_end_with_the_recording(play: Callable[[Path], Player], replay: Path):
+    player = play(replay)
+    player.wait(lambda p: blue(p) > 200, "no ball is seen")
+    player.pause()
+    bar = player.page.locator("#voxshell-bar")
+    clock = player.page.locator("input.mantine-NumberInput-input").first
+    assert bar.get_attribute("max") == "0.995"
+    player.seek(0.4)
+    expect(bar).to_have_value("0.4", timeout=PATIENCE * 1000.0)
+    clock.fill("1.7")  # while the last picture stays
+    clock.blur()
+    expect(bar).to_have_value("0.995", timeout=PATIENCE * 1000.0)
+    expect(clock).to_have_value("1.0", timeout=PATIENCE * 1000.0)
+    player.wait(lambda p: blue(p) > 200 and warm(p) > 50, "the last picture does not stay")
+    bar.fill("0.1")
+    expect(clock).to_have_value("0.1", timeout=PATIENCE * 1000.0)
+    player.wait(lambda p: blue(p) > 200 and warm(p) == 0, "contacts stay when seeking back")
+    player.page.locator(".mantine-Slider-root").wait_for(state="hidden")
+
+
+def test_the_camera_stays_above_the_ground(play: Callable[[Path], Player], tmp_path: Path):
+    player = play(fall_and_roll(1).save_html(tmp_path / "replay.html"))
+    player.wait(lambda p: blue(p) > 200, "no ball is seen")
+    # The ground is at 0. In the player, +y points up.
+    read = "window.__viserMutable.cameraControl.camera.position.y"
+    height = player.page.evaluate(read)
+    mouse = player.page.mouse
+    mouse.move(60, 250)
+    mouse.down()
+    for step in range(1, 6):
+        mouse.move(60, 250 - 40 * step)
+    mouse.up()
+
+    def lowest() -> float:
+        return min(
+            player.page.evaluate(read) for _ in range(5) if not player.page.wait_for_timeout(100)
+        )
+
+    end = time.monotonic() + PATIENCE
+    while lowest() > 0.5 * height:
+        assert time.monotonic() < end, "the drag turns nothing"
+    assert 0.0 < lowest() < 0.2 * height
+
+
 def test_the_browser_refuses_what_a_page_might_fetch(play: Callable[[Path], Player], replay: Path):
     player = play(replay)
     fetched = player.page.evaluate(
@@ -195,6 +242,22 @@ def test_a_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
         fall_and_roll().save_html(path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("frames", "rate", "text"),
+    [
+        (81, 40, "Plays in real time: 2 s of 40 recorded frames a second, all of which are shown."),
+        (401, 200, "2 s of 200 recorded frames a second, of which one in 4 is shown."),
+    ],
+)
+def test_the_caption_counts_frames_of_the_recording(frames: int, rate: int, text: str):
+    poses = np.tile(np.eye(4), (frames, 1, 1))
+    poses[:, 2, 3] = np.linspace(1.0, 0.0, frames)
+    body = BodyTrack("ball", BALL.vertices, BALL.faces, None, poses)
+    recording = Recording(1 / rate, (body,), ContactTrack.empty(frames))
+    timeline = plan_timeline([recording])
+    assert text in _describe_rate(timeline, [Lane("", recording)])
 
 
 @pytest.mark.parametrize(
