@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import html
+import sys
 import threading
 import time
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from voxshell.base.arguments import as_flag, as_positive
+from voxshell.base.arguments import as_flag, as_not_negative, as_positive
 from voxshell.simulation.live_frame import take_frame
 from voxshell.simulation.live_pull import Pulls
 
@@ -28,6 +29,9 @@ _STILL = 0.1
 
 _MOST_BEHIND = 0.2
 """Seconds that a run may lag behind its speed; it does not catch up more than this."""
+
+FIRST_PAGE = 30.0
+"""Seconds that the first step of a view with a speed waits for a page."""
 
 
 class Page(Protocol):
@@ -61,6 +65,9 @@ class LiveView:
     at most ``frames_per_second`` times per second and only while a page is open. Another thread
     sends the data. Nothing else touches the world, and reading does not change it.
 
+    Start: a view with a speed is made to be watched. So the first step waits up to 30 seconds for the
+        first page, and says on the terminal where the page is. ``wait`` changes that time.
+
     Pause: ``World.step`` blocks until the view is resumed or closed, even in the middle of
         ``step(1000)``. Ctrl-C ends the wait just as it ends a run. When the last page is closed, a
         paused run continues. A view that was made with ``paused=True`` waits for its first page.
@@ -85,12 +92,15 @@ class LiveView:
         frames_per_second: float = 30.0,
         speed: float | None = None,
         paused: bool = False,
+        wait: float | None = None,
     ) -> None:
         # Do not store the world: it refers to its view, and the cycle would delay freeing memory.
         self._simulation, self._bodies = simulation, bodies
         self._gravity, self._time_step = gravity, time_step
         self._pause_between = 1.0 / as_positive(frames_per_second, "frames_per_second")
         self._speed = None if speed is None else as_positive(speed, "speed")
+        usual = 0.0 if speed is None else FIRST_PAGE
+        self._wait = usual if wait is None else as_not_negative(wait, "wait")
         self._pulls = Pulls(gravity, time_step)
         self._page: Page | None = None
         self._pages = 0
@@ -207,7 +217,9 @@ class LiveView:
             self._page.close()
 
     def before_step(self) -> None:
-        """Wait while paused, and pull at dragged bodies; the world calls this."""
+        """Wait for a page or while paused, and pull at bodies; the world calls this."""
+        if self._wait > 0.0:
+            self._wait_for_page()
         if self._paused:
             with self._gate:
                 while self._paused and self._steps_allowed == 0 and not self._closed:
@@ -236,6 +248,9 @@ class LiveView:
         """Count browsers that open or close the page; the page calls this."""
         with self._news:
             self._pages += change
+        with self._gate:
+            self._wait = 0.0
+            self._gate.notify_all()
         self._refresh()
         if self._pages == 0:
             self.resume()
@@ -292,6 +307,20 @@ class LiveView:
             if frame is not None and not self._closed:
                 self._page.show(frame, last=is_last)
                 self._shown, shown = self._shown + 1, frame.bodies
+
+    def _wait_for_page(self) -> None:
+        """Wait for the first page, once; a pause waits for it anyway."""
+        with self._gate:
+            seconds, end = self._wait, time.monotonic() + self._wait
+            if not (self._paused or self._closed) and sys.stderr is not None:
+                sys.stderr.write(
+                    f"voxshell: open {self.address} to watch; the first step waits {seconds:g} s for it\n"
+                )
+                sys.stderr.flush()
+            while self._wait > 0.0 and not (self._paused or self._closed):
+                if not self._gate.wait(end - time.monotonic()):
+                    break
+            self._wait = 0.0
 
     def _wait_for_speed(self, speed: float) -> None:
         now, simulated = time.perf_counter(), self._simulation.step_count() * self._time_step

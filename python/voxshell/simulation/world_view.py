@@ -43,6 +43,7 @@ class ViewedWorld(WorldQueries):
         frames_per_second: float = 30.0,
         speed: float | None = None,
         paused: bool = False,
+        wait: float | None = None,
         open_browser: bool = False,
     ) -> LiveView:
         """Show the world live in a browser while you call :meth:`step`.
@@ -61,8 +62,12 @@ class ViewedWorld(WorldQueries):
             colors: Red, green and blue, 0 to 255, of bodies; the viewer chooses the other colors.
             frames_per_second: Largest number of updates of the page per second of wall-clock time.
             speed: Largest number of simulated seconds per second while a page is open; :meth:`step`
-                waits if it would be faster. None: no limit. The page can change it.
+                waits if it would be faster. None: no limit. The page can change it. Unless ``wait`` is
+                given, the first step waits up to 30 s for a page, so that you miss nothing.
             paused: Wait before the first step until somebody presses "Resume" on the page.
+            wait: Largest time that the first step waits for the first page, seconds. The terminal says
+                so, with the address. By default 30 where a ``speed`` is given, and otherwise 0. A
+                paused view waits for its page in any case.
             open_browser: Open the page in the default browser of this machine.
 
         Returns:
@@ -104,6 +109,7 @@ class ViewedWorld(WorldQueries):
             frames_per_second=frames_per_second,
             speed=speed,
             paused=paused,
+            wait=wait,
         )
         view.open(lambda: LivePage(view, port=number, title=title, colors=chosen))
         self._view = view

@@ -18,7 +18,7 @@ from voxshell.viewer.page import metric
 from voxshell.viewer.palette import FORCE_COLOR, PULL_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.server import make_address, silent_server
-from voxshell.viewer.stage import place_camera
+from voxshell.viewer.stage import VIEW_ASPECT, place_camera
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,8 +34,9 @@ if TYPE_CHECKING:
 _TEXT_EVERY = 0.2
 """Seconds between updates of plots and numbers, which take more time than the scene."""
 
-_BESIDE = 0.5
-"""Fraction of the scene's width that the controls cover."""
+_CONTROLS, _NARROW = 340, 580
+"""Pixels that the controls cover on the right, and the width below which they are a sheet at the foot of the page."""
+_USUAL_WINDOW = 1240, 670
 
 _SPEEDS: dict[str, float | None] = {
     "as fast as possible": None,
@@ -84,7 +85,7 @@ class LivePage:
         self._add_controls(server.gui)
         self._legend = server.gui.add_html("")
         self._plots = LivePlots(server.gui)
-        server.on_client_connect(lambda _: view.count_pages(1))
+        server.on_client_connect(self._meet)
         server.on_client_disconnect(self._part)
 
     @property
@@ -196,13 +197,13 @@ class LivePage:
         return (
             f'<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
             f'<b style="color: {force}">&#8594;</b> normal force on the moving body '
-            f"(longest: {scene.longest_force:.3g} N or more)<br>"
+            f"(grows up to {scene.longest_force:.2g} N)<br>"
             f'<b style="color: {pull}">&#8594;</b> spring of the mouse<br>grid: {metric(scene.cell)}<br>'
             "Drag a body to pull it. Drag the background to turn the camera, right-drag to move it.</div>"
         )
 
     def _place_first_camera(self, frame: LiveFrame) -> None:
-        camera = self._find_camera(frame)
+        camera = self._find_camera(frame, _USUAL_WINDOW)
         if camera is None:
             return
         self._camera = camera
@@ -212,28 +213,47 @@ class LivePage:
         for client in self._server.get_clients().values():
             self._reset_camera(client)
 
-    def _find_camera(self, frame: LiveFrame) -> Camera | None:
-        """Return a view from the front and slightly above, with all bodies beside the controls."""
+    def _find_camera(self, frame: LiveFrame, window: tuple[int, int]) -> Camera | None:
+        """Return a view from the front and slightly above, with all bodies beside the controls.
+
+        Args:
+            frame: Where the bodies are.
+            window: Width and height, pixels.
+        """
         extent = self._scene.find_extent(frame)
         if extent is None:
             return None
         size = float(np.linalg.norm(extent.high - extent.low))
         low, high = extent.low - 0.06 * size, extent.high + 0.06 * size
-        # The controls cover the right side of the page.
-        right = view_axes(self._up)[0]
-        beside = _BESIDE * float(np.abs(right @ (high - low)))
-        high = high + beside * np.maximum(right, 0.0)
-        low = low + beside * np.minimum(right, 0.0)
-        scale = self._scene.scale
-        return place_camera([(scale * low, scale * high)], rows=1, up=self._up)
+        width, height = window
+        right, _, upward = view_axes(self._up)
+        if width <= _NARROW:
+            below = 2.0 * size * upward
+            low, high = low - np.maximum(below, 0.0), high - np.minimum(below, 0.0)
+        else:
+            beside = float(np.abs(right @ (high - low))) * _CONTROLS / (width - _CONTROLS)
+            high = high + beside * np.maximum(right, 0.0)
+            low = low + beside * np.minimum(right, 0.0)
+        boxes = [(self._scene.scale * low, self._scene.scale * high)]
+        aspect = min(width / max(height, 1), VIEW_ASPECT)
+        return place_camera(boxes, rows=1, up=self._up, aspect=aspect)
 
     def _reset_camera(self, client: viser.ClientHandle) -> None:
-        camera = self._find_camera(self._frame) if self._frame is not None else None
+        if self._frame is None:
+            return
+        window = client.camera.image_width, client.camera.image_height
+        camera = self._find_camera(self._frame, window)
         if camera is None:
             return
         with client.atomic():
             client.camera.position, client.camera.look_at = camera.position, camera.target
             client.camera.up_direction = view_axes(self._up)[2]
+
+    def _meet(self, client: viser.ClientHandle) -> None:
+        self._reset_camera(client)  # to the size of its window
+        if self._view.page_count == 0:  # nothing was read since the last page left
+            self._plots.interrupt()
+        self._view.count_pages(1)
 
     def _part(self, client: viser.ClientHandle) -> None:
         self._view.pulls.release(client.client_id)

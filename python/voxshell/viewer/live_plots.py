@@ -37,6 +37,7 @@ class LivePlots:
         # Columns: time; kinetic, potential and total energy, J; contacts; depth, m.
         self._rows: deque[tuple[float, ...]] = deque(maxlen=_SAMPLES)
         self._ground: float | None = None
+        self._is_broken = False
         names = ("kinetic", "potential", "sum")
         self._energy = _add_plot(gui, "energy, J", dict(zip(names, _ENERGY_COLORS, strict=True)))
         self._count = _add_plot(gui, "contacts", {"contacts": "#b4324a"})
@@ -47,6 +48,9 @@ class LivePlots:
         if self._rows and frame.time < self._rows[-1][0]:
             self._rows.clear()
             self._ground = None
+        if self._is_broken and self._rows and frame.time > self._rows[-1][0]:
+            self._rows.clear()  # a line would join what was read before with what is read now
+        self._is_broken = False
         if self._rows and frame.time == self._rows[-1][0]:
             self._rows.pop()
         if self._ground is None:
@@ -55,6 +59,10 @@ class LivePlots:
         depth = float(frame.depths.max(initial=0.0))
         energies = (frame.kinetic, potential, frame.kinetic + potential)
         self._rows.append((frame.time, *energies, float(len(frame.depths)), depth))
+
+    def interrupt(self) -> None:
+        """Begin anew with the next frame of a later time: nothing was read before it."""
+        self._is_broken = True
 
     def show(self) -> None:
         """Draw all frames added so far."""

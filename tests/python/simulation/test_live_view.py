@@ -150,7 +150,7 @@ with world.view(port=0, paused=True):
 
 def test_a_step_waits_for_the_speed_of_a_watched_view():
     world, _ = make_world(time_step=0.01)
-    with world.view(speed=1.0) as view:
+    with world.view(speed=1.0, wait=0.0) as view:
         start = time.monotonic()
         world.step(1000)  # ten seconds, without a page
         view.count_pages(1)
@@ -158,6 +158,43 @@ def test_a_step_waits_for_the_speed_of_a_watched_view():
         world.step(50)
         # Only from below: a busy machine may take any time.
         assert time.monotonic() - start > 0.4
+
+
+@pytest.mark.parametrize("ending", ["a page", "close"])
+def test_the_first_step_of_a_view_with_a_speed_waits_for_a_page_and_says_so(
+    ending: str, capsys: pytest.CaptureFixture[str]
+):
+    world, _ = make_world()
+    view = world.view(speed=50.0)
+    thread = threading.Thread(target=world.step, args=(5,))
+    thread.start()
+    assert is_still(world)
+    assert thread.is_alive()
+    if ending == "close":
+        view.close()
+    else:
+        view.count_pages(1)
+    thread.join(PATIENCE)
+    assert world.time == pytest.approx(5 * world.time_step)
+    told = f"voxshell: open {view.address} to watch; the first step waits 30 s for it\n"
+    assert capsys.readouterr() == ("", told)
+    view.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [({}, ""), ({"speed": 1.0, "wait": 0}, ""), ({"wait": 0.1}, "waits 0.1 s")],
+)
+def test_a_run_goes_on_without_a_page(
+    options: dict[str, float], told: str, capsys: pytest.CaptureFixture[str]
+):
+    world, _ = make_world()
+    with world.view(**options):
+        world.step(5)
+        world.step(5)
+    said = capsys.readouterr().err
+    assert told in said
+    assert said.count("\n") == bool(told)
 
 
 def test_an_empty_world_can_be_viewed(screens: list[Screen]):

@@ -202,3 +202,41 @@ def test_a_stranger_is_turned_away(watched: Watched, browser: Browser):
 )
 def test_up_is_against_gravity(gravity: tuple[float, float, float], up: str):
     assert find_up(np.array(gravity, dtype=np.float64)) == up
+
+
+@pytest.mark.parametrize(
+    ("window", "free"),
+    [
+        ((1600, 600), (1600 - 340, 600)),
+        ((1200, 700), (1200 - 340, 700)),
+        ((700, 560), (700 - 340, 560)),
+        ((440, 640), (440, 255)),
+    ],
+)
+def test_bodies_are_beside_the_controls_in_windows_of_any_width(
+    window: tuple[int, int], free: tuple[int, int]
+):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    half = 0.1
+    for x in (0.0, 0.4):
+        world.add(vx.Box((half, half, half)), pose=(x, 0, 0.1))
+    with world.view(port=0) as view:
+        live = view._page
+        assert isinstance(live, LivePage)
+        assert live._frame is not None
+        camera = live._find_camera(live._frame, window)
+        scale = live._scene.scale
+    assert camera is not None
+    corners = np.array([(x, y, z) for x in (-0.1, 0.5) for y in (-0.1, 0.1) for z in (0.0, 0.2)])
+    forward = camera.target - camera.position
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, (0, 0, 1)) / np.linalg.norm(np.cross(forward, (0, 0, 1)))
+    seen = scale * corners - camera.position
+    pixels = window[1] / (2.0 * np.tan(0.5 * camera.field_of_view) * (seen @ forward))
+    x = 0.5 * window[0] + pixels * (seen @ right)
+    y = 0.5 * window[1] - pixels * (seen @ np.cross(right, forward))
+    assert 0 < x.min() < x.max() < free[0]
+    assert 0 < y.min() < y.max() < free[1]
+    # They fill some of what is free.
+    assert np.ptp(x) > 0.3 * free[0] or np.ptp(y) > 0.3 * free[1]

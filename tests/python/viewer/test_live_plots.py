@@ -67,6 +67,19 @@ def test_a_world_that_went_back_in_time_begins_anew(plots: LivePlots):
     assert columns_of(plots._energy)[2] == [0.0, 2.0]
 
 
+def test_no_line_joins_what_was_read_before_and_after_a_time_without_a_page(plots: LivePlots):
+    plots.add(at(0.0, potential=7.0))
+    plots.interrupt()
+    plots.add(at(0.0, potential=7.0))  # a page opens before the first step
+    plots.add(at(0.1, potential=6.0))
+    plots.interrupt()
+    plots.add(at(40.0, potential=5.0))
+    plots.add(at(40.1, potential=4.0))
+    plots.show()
+    assert columns_of(plots._energy)[0] == [40.0, 40.1]
+    assert columns_of(plots._energy)[2] == [-2.0, -3.0]
+
+
 def test_the_oldest_frames_are_left_out(plots: LivePlots):
     for number in range(700):
         plots.add(at(0.1 * number))
