@@ -8,10 +8,10 @@ import voxshell as vx
 from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 from rendering import make_surface, place_camera, render
+from voxshell.base.lengths import metric
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane
 from voxshell.viewer.marks import MarkedContacts
-from voxshell.viewer.page import metric
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_slabs, nice_length, plan_stage

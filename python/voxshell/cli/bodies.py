@@ -163,6 +163,7 @@ def describe_model(model: Model) -> dict[str, Any]:
         "bounds": model.bounds.tolist(),
         "sign_method": model.field.sign_method,
         "sign_confidence": model.field.sign_confidence,
+        "tolerance": model.tolerance,
         "voxel_size": model.field.voxel_size,
         "shape": list(model.field.shape),
         "field_bytes": model.field.nbytes,

@@ -10,6 +10,7 @@ from typing import Annotated
 from cyclopts import App, Parameter
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from voxshell.errors import FileAccessError
@@ -35,8 +36,8 @@ def list_models(*, json_only: Json = False) -> None:
     """List the models, the most recently used first.
 
     Args:
-        json_only: Print JSON: the key, the size in bytes and the time of last use (seconds since
-            1970).
+        json_only: Print JSON: the key, the size in bytes, the time of last use (seconds since 1970)
+            and the name of the mesh.
     """
     entries = _open().entries()
     if json_only:
@@ -44,11 +45,13 @@ def list_models(*, json_only: Json = False) -> None:
         return
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("model", no_wrap=True)
+    table.add_column("built from", overflow="fold")
     table.add_column("MB", justify="right", no_wrap=True)
     table.add_column("last used", no_wrap=True)
     for entry in entries:
         used = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(entry.used))
-        table.add_row(entry.key[:16], f"{entry.size / 1e6:.1f}", used)
+        name = escape(entry.name) or "-"
+        table.add_row(entry.key[:16], name, f"{entry.size / 1e6:.1f}", used)
     console = Console(highlight=False)
     if entries:
         console.print(table)

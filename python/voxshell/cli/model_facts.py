@@ -34,6 +34,7 @@ def describe_facts(model: Model) -> list[tuple[str, str]]:
         ("mesh", f"{len(faces):,} triangles, {len(vertices):,} vertices"),
         ("extents", format_extents(model.bounds)),
         ("inside", describe_sign(model)),
+        ("tolerance", _describe_tolerance(model)),
         ("field", f"{' x '.join(map(str, field.shape))} nodes, {format_size(field.nbytes)}"),
         ("voxel size", format_length(field.voxel_size)),
         ("shell", f"{len(shell):,} points, {shell.tree.levels} levels of clusters"),
@@ -80,6 +81,12 @@ def field_bound(model: Model) -> float:
 def shell_bound(model: Model) -> float:
     """Return the proven largest distance of the surface from the shell, meters."""
     return math.sqrt(3.0) * model.shell.spacing
+
+
+def _describe_tolerance(model: Model) -> str:
+    if model.tolerance is None:
+        return "none: the model is uniform"
+    return format_length(model.tolerance)
 
 
 def _format_errors(errors: ErrorStatistic) -> str:

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from voxshell.base.lengths import in_millimeters
+
 if TYPE_CHECKING:
     from voxshell._core import Model as CoreModel
 
@@ -73,16 +75,18 @@ class Accuracy:
 
     def __repr__(self) -> str:
         def lengths(errors: ErrorStatistic) -> str:
-            return "/".join(f"{1e3 * x:.3g}" for x in (errors.median, errors.p99, errors.max))
+            return "/".join(map(in_millimeters, (errors.median, errors.p99, errors.max)))
 
+        # Below a thousandth of a degree, angles are rounding.
         degrees = "/".join(
-            f"{math.degrees(x):.3g}" for x in (self.normal.median, self.normal.p99, self.normal.max)
+            f"{round(math.degrees(x), 3):.3g}"
+            for x in (self.normal.median, self.normal.p99, self.normal.max)
         )
         shape = "sharp" if self.is_sharp else f"rounded by {self.curvature:.3g} /m"
         return (
             f"Accuracy(median/99 %/max at {self.places:,} places: distance {lengths(self.distance)} "
             f"mm, normal {degrees} degrees, coverage {lengths(self.coverage)} mm; "
-            f"gap {1e3 * self.gap:.3g} mm, {shape})"
+            f"gap {in_millimeters(self.gap)} mm, {shape})"
         )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from voxshell._core import Model as CoreModel
 from voxshell.errors import MemoryLimitError, MeshError
 from voxshell.model.cache import compute_key, open_cache
-from voxshell.model.meshes import doubt_unit, naming_file, read_mesh
+from voxshell.model.meshes import doubt_unit, name_of, naming_file, read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,7 +51,8 @@ def build_core(
     try:
         with naming_file(mesh):
             if is_cached:
-                return open_cache().fetch(compute_key(arrays, settings), build, waiting), doubt
+                key = compute_key(arrays, settings)
+                return open_cache().fetch(key, build, waiting, name_of(mesh)), doubt
             return build(), doubt
     except (MeshError, MemoryLimitError) as error:
         if not doubt:

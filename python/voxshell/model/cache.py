@@ -49,8 +49,10 @@ MOST_IN_MEMORY = 16
 LONGEST_WAIT = 600.0
 """Seconds to wait while another process builds the same model; then this one builds it, too."""
 
+_SEAL, _LONGEST_NAME = 16, 100
+"""Digits of a seal, and bytes of a mesh's name in that of a file, which has at most 255."""
 _SUFFIX, _LOCK_SUFFIX = ".vxs", ".lock"
-_MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})\.vxs")
+_MODEL = re.compile(r"([0-9a-f]{64})-([0-9a-f]{16})(?:-(.+))?\.vxs")
 _LOCK = re.compile(r"[0-9a-f]{64}\.lock")
 
 
@@ -67,12 +69,14 @@ class Entry:
         seal: Digest of the key and the file's checksum.
         size: Bytes.
         used: Time of last use, seconds since 1970.
+        name: Of the mesh from which it was built first; empty if that had none.
     """
 
     key: str
     seal: str
     size: int
     used: float
+    name: str = ""
 
 
 class ModelCache:
@@ -102,6 +106,7 @@ class ModelCache:
         key: str,
         build: Callable[[], CoreModel],
         waiting: Callable[[], object] = lambda: None,
+        name: str = "",
     ) -> CoreModel:
         """Return the model of a key, and build it if it is not in the cache.
 
@@ -113,6 +118,7 @@ class ModelCache:
             key: From :func:`compute_key`.
             build: Builds the model.
             waiting: Called repeatedly while another process builds the model; may raise.
+            name: Of the mesh, for :attr:`Entry.name`; empty if it has none.
         """
         if self.capacity <= 0 or key in _building.keys:
             return build()
@@ -134,13 +140,13 @@ class ModelCache:
             with _building.noted(key):
                 model = build()
             if time.perf_counter() - started >= WORTH_SECONDS:
-                self._store(key, model)
+                self._store(key, model, name)
             return model
 
     def entries(self) -> list[Entry]:
         """Return all models, the most recently used first."""
         found = [
-            Entry(match[1], match[2], status.st_size, status.st_mtime)
+            Entry(match[1], match[2], status.st_size, status.st_mtime, match[3] or "")
             for file, status in self._files()
             if (match := _MODEL.fullmatch(file.name))
         ]
@@ -174,7 +180,7 @@ class ModelCache:
 
     def _path(self, entry: Entry) -> Path:
         assert self.folder is not None
-        return self.folder / _name(entry.key, entry.seal)
+        return self.folder / _name(entry.key, entry.seal, entry.name)
 
     def _load(self, key: str) -> CoreModel | None:
         """Load a model; return None if there is none that can be used."""
@@ -183,7 +189,7 @@ class ModelCache:
         for path in self._find(key):
             try:
                 # The seal of a valid file of another model differs.
-                if path.name != _name(key, _read_seal(key, path)):
+                if _read_seal(key, path) != path.name[len(key) + 1 :][:_SEAL]:
                     continue
                 model = _core.Model.load(os.fsencode(path))
             except (ModelFileError, MemoryLimitError, OSError):
@@ -207,7 +213,7 @@ class ModelCache:
         found = [name for name in names if name.startswith(key)]
         return [self.folder / name for name in found if _MODEL.fullmatch(name)]
 
-    def _store(self, key: str, model: CoreModel) -> None:
+    def _store(self, key: str, model: CoreModel, name: str) -> None:
         assert self.folder is not None
         try:
             with unfinished_folder(self.folder, self.folder) as unfinished:
@@ -216,7 +222,8 @@ class ModelCache:
                 for path in self.folder.glob(f"{key}-*{_SUFFIX}"):  # damaged ones
                     with suppress(FileNotFoundError):
                         path.unlink()
-                unnamed.replace(self.folder / _name(key, _read_seal(key, unnamed)))
+                seal = _read_seal(key, unnamed)
+                unnamed.replace(self.folder / _name(key, seal, _as_file_name(name)))
             self._make_room()
         except OSError as error:
             self._warn(error)
@@ -283,15 +290,20 @@ class ModelCache:
             warn_user(message, CacheWarning)
 
 
-def _name(key: str, seal: str) -> str:
-    return f"{key}-{seal}{_SUFFIX}"
+def _name(key: str, seal: str, name: str) -> str:
+    return f"{key}-{seal}{'-' if name else ''}{name}{_SUFFIX}"
+
+
+def _as_file_name(name: str) -> str:
+    """Return a mesh's name without what file names may not have, and not too long for one."""
+    return re.sub(r"[^\w.+-]+", "_", name).encode()[:_LONGEST_NAME].decode(errors="ignore")
 
 
 def _read_seal(key: str, path: Path) -> str:
     """Return the seal of a model file: its checksum follows the magic number."""
     with path.open("rb") as file:
         checksum = file.read(16)[8:]
-    return hashlib.sha256(key.encode() + checksum).hexdigest()[:16]
+    return hashlib.sha256(key.encode() + checksum).hexdigest()[:_SEAL]
 
 
 class _Building(threading.local):

@@ -52,6 +52,9 @@ class Mesh(NamedTuple):
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
 
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
+
 
 _LONG = 10.0
 """A mesh longer than this, in meters, is probably in millimeters."""
@@ -60,6 +63,17 @@ _REMEDY_FOR_UNITS = (
     "pass Model.from_mesh(..., scale=0.001), write scale = 0.001 in a scene file, or give a command --scale "
     "0.001; scale=1 accepts the size"
 )
+
+
+def name_of(mesh: MeshLike) -> str:
+    """Return the name of the file that a mesh is, or that trimesh states; empty if it is not known."""
+    if isinstance(mesh, (str, os.PathLike)):
+        return Path(os.fsdecode(mesh)).name
+    metadata = getattr(mesh, "metadata", None)
+    stated = metadata if isinstance(metadata, dict) else {}
+    # Which key it is depends on trimesh's version.
+    known = stated.get("file_name") or stated.get("name")
+    return Path(known).name if isinstance(known, str) else ""
 
 
 def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:

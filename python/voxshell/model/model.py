@@ -17,6 +17,7 @@ from voxshell.base.arguments import (
 )
 from voxshell.base.calls import explain_calls
 from voxshell.base.input_files import check_exists
+from voxshell.base.lengths import in_millimeters
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
@@ -362,8 +363,9 @@ class Model:
 
     def __repr__(self) -> str:
         x, y, z = self.field.shape
+        tolerance = "" if self.tolerance is None else f"tolerance {self.tolerance:.3g} m, "
         return (
-            f"Model({len(self._core.faces)} triangles, {len(self.shell)} points, "
+            f"Model({len(self._core.faces)} triangles, {len(self.shell)} points, {tolerance}"
             f"field {x} x {y} x {z}, voxel size {self.field.voxel_size:g} m, "
             f"{self.field.nbytes / 1e6:.1f} MB)"
         )
@@ -374,12 +376,15 @@ class Model:
         size = " x ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.bounds, axis=0))
         facts = {
             "size": f"{size} mm",
+            "tolerance": "none: uniform, with the voxel size of the field"
+            if self.tolerance is None
+            else f"{1e3 * self.tolerance:.3g} mm",
             "triangles": f"{len(self._core.faces):,}",
             "points of the shell": f"{len(self.shell):,}, {1e3 * self.shell.spacing:.3g} mm apart",
             "field": f"{x} x {y} x {z} nodes, {1e3 * self.field.voxel_size:.3g} mm apart, "
             f"{self.field.nbytes / 1e6:.1f} MB",
-            "field off by": f"{1e3 * self.accuracy.distance.median:.3g} mm median, "
-            f"{1e3 * self.accuracy.distance.max:.3g} mm worst",
+            "field off by": f"{in_millimeters(self.accuracy.distance.median)} mm median, "
+            f"{in_millimeters(self.accuracy.distance.max)} mm worst",
         }
         return make_table("Model", facts)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_integer
+from voxshell.base.lengths import in_millimeters
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError
@@ -203,17 +204,18 @@ class Contacts:
         facts = {"contacts": self._count_by_shell()}
         if len(self) > 0:
             deepest = int(np.argmax(self.depths))
-            place = ", ".join(f"{x:.6g}" for x in self.points_b[deepest])
-            normal = ", ".join(f"{x:.3g}" for x in self.normals[deepest])
+            # Less than a tenth of a micrometer, or of a thousandth of a degree, is rounding.
+            place = ", ".join(f"{x:.6g}" for x in self.points_b[deepest].round(7) + 0.0)
+            normal = ", ".join(f"{x:.3g}" for x in self.normals[deepest].round(6) + 0.0)
             facts |= {
-                "depth": f"{1e3 * self.depths.min():.4g} to {1e3 * self.depths.max():.4g} mm",
+                "depth": f"{in_millimeters(self.depths.min(), 4)} to {in_millimeters(self.depths.max(), 4)} mm",
                 "deepest at": f"({place}) m, world frame",
                 "normal there": f"({normal}), from b to a",
             }
         facts["complete"] = (
             "yes"
             if self.exact
-            else f"no: none missed is deeper than {1e3 * self.depth_bound:.4g} mm"
+            else f"no: none missed is deeper than {in_millimeters(self.depth_bound, 4)} mm"
         )
         return make_table("Contacts", facts)
 

@@ -87,6 +87,15 @@ class BodyTrack:
             except SettingsError as error:
                 raise RecordingError(f"{error}; None lets the viewer choose") from None
 
+    def __repr__(self) -> str:
+        frames, faces = len(self.poses), len(self.faces)
+        start = f", from frame {self.start} on" if self.start else ""
+        return (
+            f"BodyTrack({self.name!r}, {len(self.vertices)} vertices, "
+            f"{faces} face{'' if faces == 1 else 's'}, "
+            f"{frames} frame{'' if frames == 1 else 's'}{start}{', fixed' if self.fixed else ''})"
+        )
+
     @property
     def frame_count(self) -> int:
         """Number of frames."""

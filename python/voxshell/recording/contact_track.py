@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from voxshell.base.lengths import limit
 from voxshell.errors import RecordingError
 from voxshell.recording.arrays import as_floats, as_integers, as_points, keep
 
@@ -136,6 +137,15 @@ class ContactTrack:
             raise RecordingError("contacts: a recording needs at least one frame, got none")
         offsets = np.concatenate([[0], np.cumsum([len(p) for p in points])])
         return cls(offsets, *map(np.concatenate, (points, normals, depths, forces)))
+
+    def __repr__(self) -> str:
+        frames, contacts = len(self.offsets) - 1, len(self.depths)
+        deepest = self.depths.max(initial=0.0)
+        return (
+            f"ContactTrack({frames} frame{'' if frames == 1 else 's'}, "
+            f"{contacts} contact{'' if contacts == 1 else 's'}"
+            f"{f', {limit(deepest)} deep' if deepest > 0.0 else ''})"
+        )
 
     @property
     def frame_count(self) -> int:

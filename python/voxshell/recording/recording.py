@@ -120,9 +120,11 @@ class Recording:
         return save_replay(place, [Lane(label, self)], title=title, **options)
 
     def __repr__(self) -> str:
+        bodies, frames, contacts = len(self.bodies), self.frame_count, len(self.contacts.points)
         return (
-            f"Recording({len(self.bodies)} bodies, {self.frame_count} frames, {self.duration:.6g} s, "
-            f"{len(self.contacts.points)} contacts)"
+            f"Recording({bodies} {'body' if bodies == 1 else 'bodies'}, "
+            f"{frames} frame{'' if frames == 1 else 's'}, {self.duration:.6g} s, "
+            f"{contacts} contact{'' if contacts == 1 else 's'})"
         )
 
     def _repr_html_(self) -> str:

@@ -51,6 +51,10 @@ class Link:
     body_from_link: NDArray[np.float64]
     color: tuple[int, int, int] | None
 
+    def __repr__(self) -> str:
+        place = "fixed to the world" if self.body is None else f"part of {self.body!r}"
+        return f"Link({self.name!r}, {place})"
+
     @property
     def pose(self) -> NDArray[np.float64]:
         """``world_from_link``, (4, 4) float64."""

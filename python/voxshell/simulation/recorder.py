@@ -127,6 +127,54 @@ class Recorder:
         """
         return self.recording(colors=colors).save_html(path, **options)
 
+    def save_video(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as a video; see :meth:`Recording.save_video`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_video`.
+        """
+        return self.recording(colors=colors).save_video(path, **options)
+
+    def save_gltf(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as binary glTF; see :meth:`Recording.save_gltf`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_gltf`.
+        """
+        return self.recording(colors=colors).save_gltf(path, **options)
+
+    def save_usd(
+        self,
+        path: str | PathLike[str],
+        *,
+        colors: Mapping[Body, tuple[int, int, int]] | None = None,
+        **options: Any,
+    ) -> Path:
+        """Write the recording so far as Universal Scene Description; see :meth:`Recording.save_usd`.
+
+        Args:
+            path: The file's path.
+            colors: As for :meth:`recording`.
+            options: As for :meth:`Recording.save_usd`.
+        """
+        return self.recording(colors=colors).save_usd(path, **options)
+
     def __reduce__(self) -> NoReturn:
         raise InputTypeError(
             "a Recorder cannot be copied or pickled, because it belongs to a world: pass its recording()"

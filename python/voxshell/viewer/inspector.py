@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from voxshell.base.lengths import metric
 from voxshell.model.shapes import Plane
 from voxshell.query.distances import distance
 from voxshell.query.queries import contacts
@@ -23,7 +24,7 @@ from voxshell.viewer.layers import (
     paint_slice,
 )
 from voxshell.viewer.lighting import add_lights
-from voxshell.viewer.page import add_heading, metric, write_whole
+from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.surface import is_faceted

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell.base.lengths import metric
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.lanes import view_axes
 from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.live_plots import LivePlots
 from voxshell.viewer.live_scene import LiveScene
-from voxshell.viewer.page import metric
 from voxshell.viewer.palette import FORCE_COLOR, PULL_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.server import make_address, silent_server

@@ -7,6 +7,7 @@ from html import escape
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
+from voxshell.base.lengths import metric
 from voxshell.base.outputs import write_text
 from voxshell.errors import RecordingError
 from voxshell.viewer.lighting import ROOM_LIGHT
@@ -107,19 +108,6 @@ def add_heading(
     if count == 0:
         top = f"<title>{escape(title)}</title>{top}"
     return "".join([page[:head], policy, top, heading, page[body:]])
-
-
-def metric(length: float) -> str:
-    """Return a length, in meters, as a text in the unit with the fewest digits.
-
-    Example:
-        >>> [metric(x) for x in (0.00025, 0.003, 0.02, 1.5)]
-        ['0.25 mm', '3 mm', '2 cm', '1.5 m']
-    """
-    for unit, size in (("m", 1.0), ("cm", 0.01), ("mm", 0.001)):
-        if length >= 0.9999 * size or (unit == "mm" and length >= 0.00005):
-            return f"{length / size:.3g} {unit}"
-    return f"{length * 1e6:.3g} µm"
 
 
 def write_whole(path: Path, text: str) -> Path:

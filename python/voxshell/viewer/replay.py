@@ -129,7 +129,7 @@ def make_replay(
         deepest=script.deepest if script.counted else None,
         strongest=script.strongest,
         grid=stage.cell,
-        plots=draw_time_plots(lanes, script.timeline),
+        plots=draw_time_plots(lanes, script.timeline, full=script.deepest),
         ground=find_ground_height(recordings, stage, up=up) * stage.scale,
         seconds=float(script.timeline.pauses.sum()),
     )

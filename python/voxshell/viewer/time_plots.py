@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.viewer.page import metric
+from voxshell.base.lengths import limit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,8 +22,13 @@ _WIDTH, _HEIGHT = 240.0, 40.0
 _COLORS = ("#1f6fb4", "#d97706", "#2a9d6f", "#b4324a", "#7a55b0", "#8a6a4f", "#5b6878")
 
 
-def draw_time_plots(lanes: Sequence[Lane], timeline: Timeline) -> str:
+def draw_time_plots(lanes: Sequence[Lane], timeline: Timeline, *, full: float = 0.0) -> str:
     """Return two plots as HTML, with a line for each lane; empty without contacts or motion.
+
+    Args:
+        lanes: The lanes.
+        timeline: The instants that are shown.
+        full: Depth to which the plot of depths reaches at least, meters: that of the darkest color.
 
     Their ``data-seconds`` is the playback time from the left edge to the right one.
     """
@@ -36,7 +41,7 @@ def draw_time_plots(lanes: Sequence[Lane], timeline: Timeline) -> str:
         return ""
     plots = [_draw(f"contacts, at most {most:,.0f}", counts, most)]
     if deepest > 0.0:
-        plots.append(_draw(f"deepest, at most {metric(deepest)}", depths, deepest))
+        plots.append(_draw(f"deepest, {limit(deepest)}", depths, max(deepest, full)))
     names = [lane.label.partition("\n")[0] for lane in lanes]
     key = "".join(
         f'<span style="color: {_color(number)}">{escape(name)}</span>'

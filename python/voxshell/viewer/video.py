@@ -11,11 +11,11 @@ import numpy as np
 
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.base.calls import explain_calls
+from voxshell.base.lengths import metric
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.marks import MarkedContacts
-from voxshell.viewer.page import metric
 from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage

@@ -58,6 +58,17 @@ def test_list_and_size_say_what_is_there(folder, two_models):
     assert json.loads(voxshell_cache("size", "--json").stdout) == expected
 
 
+def test_list_names_the_meshes(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr("voxshell.model.cache.WORTH_SECONDS", 0.0)
+    path = tmp_path / "part.stl"
+    trimesh.creation.box().export(path)
+    vx.Model.from_mesh(path, resolution=5)
+    assert "part.stl" in voxshell_cache("list").stdout
+    assert [entry["name"] for entry in json.loads(voxshell_cache("list", "--json").stdout)] == [
+        "part.stl"
+    ]
+
+
 def test_clear_removes_them(folder, two_models):
     assert voxshell_cache("clear").stdout == "removed 2 models\n"
     assert os.listdir(folder) == []

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import asdict
 
@@ -110,6 +111,18 @@ def test_estimates_of_accuracy_are_what_a_build_measures(name, bunny_mesh):
     assert 1.0 / 1.5 <= guess.error / fine.accuracy.distance.p99 <= 1.5
     assert 1.0 / 1.5 <= guess.coverage / fine.accuracy.coverage.p99 <= 1.5
     assert guess.field_bound == pytest.approx(fine.field.interpolation_error, rel=0.01)
+
+
+def test_build_and_info_tell_the_tolerance(voxshell, cone_path, tmp_path):
+    for options, told, value in (
+        (("--tolerance", "0.0002"), "200 µm", 0.0002),
+        (("--resolution", "30"), "none: the model is uniform", None),
+    ):
+        file = tmp_path / "cone.vxs"
+        built = voxshell("build", cone_path, "-o", file, "--scale", "0.001", *options)
+        for said in (built.out, voxshell("info", file).out):
+            assert re.search(rf"^tolerance +{told} *$", said, re.M)
+        assert voxshell("info", file, "--json").json["tolerance"] == pytest.approx(value)
 
 
 def test_one_wording_of_accuracy_in_build_and_info(voxshell, cone_path, tmp_path):

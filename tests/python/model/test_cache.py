@@ -84,6 +84,35 @@ def test_a_model_is_built_once_and_then_found(folder, core):
     assert files(folder) == sorted(key_of(name) + ".vxs" for name in "ab")
 
 
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [("part.stl", "part.stl"), ("a/b c:ü-1.stl", "a_b_c_ü-1.stl"), ("é" * 80, "é" * 50), ("", "")],
+)
+def test_an_entry_has_the_name_of_its_mesh(folder, core, name, kept):
+    build, cache = Builder(core), ModelCache(folder)
+    for _ in range(2):
+        cache.fetch(key_of("a"), build, name=name)
+    cache.fetch(key_of("a"), build, name="the same under another name")
+    assert build.count == 1
+    (entry,) = cache.entries()
+    assert (entry.name, entry.key) == (kept, key_of("a"))
+    assert cache.clear() == 1
+
+
+def test_a_mesh_is_named_by_its_file(tmp_path, folder, monkeypatch):
+    monkeypatch.setattr("voxshell.model.cache.WORTH_SECONDS", 0.0)
+    path = tmp_path / "bent pipe.stl"
+    trimesh.creation.box().export(path)
+    vx.Model.from_mesh(path, resolution=5)
+    vx.Model.from_mesh(str(path), resolution=6)
+    vx.Model.from_mesh(trimesh.load_mesh(path), resolution=7)
+    vx.Model.from_mesh(trimesh.creation.box(), resolution=8)
+    assert sorted(entry.name for entry in ModelCache(folder).entries()) == [
+        "",
+        *["bent_pipe.stl"] * 3,
+    ]
+
+
 @pytest.mark.parametrize("how", ["copied", "renamed"])
 def test_a_sound_model_under_the_key_of_another_is_not_believed(folder, core, how):
     cache, other = ModelCache(folder), build_core(0.2)

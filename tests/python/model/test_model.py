@@ -124,6 +124,14 @@ def test_it_says_what_it_holds(coarse_bunny: vx.Model):
     )
 
 
+def test_it_says_its_tolerance_and_a_mesh_only_how_large_it_is():
+    model = vx.Model.from_mesh(trimesh.creation.box(), tolerance=0.002)
+    assert ", tolerance 0.002 m, field " in repr(model)
+    assert ">2 mm<" in model._repr_html_()
+    assert ">none: uniform, with the voxel size of the field<" in box()._repr_html_()
+    assert repr(model.mesh) == "Mesh(8 vertices, 12 faces)"
+
+
 # ---- mass properties -----------------------------------------------------------------------------
 
 

@@ -81,3 +81,16 @@ def test_a_name_that_says_something_else_is_refused(
     with pytest.raises(SettingsError, match=message):
         getattr(recording, method)(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_printed_has_no_arrays():
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    body = BodyTrack("flag", np.eye(3), [[0, 1, 2]], None, poses, 1)
+    contacts = ContactTrack.from_frames(
+        [([], [], []), ([[0, 0, 0]], [[0, 0, 1]], [0.0025]), ([], [], [])]
+    )
+    recording = Recording(0.005, (body,), contacts)
+    assert repr(recording) == "Recording(1 body, 3 frames, 0.01 s, 1 contact)"
+    assert repr(body) == "BodyTrack('flag', 3 vertices, 1 face, 3 frames, from frame 1 on, fixed)"
+    assert repr(contacts) == "ContactTrack(3 frames, 1 contact, at most 2.5 mm deep)"
+    assert repr(contacts.frame(0)) == "ContactTrack(1 frame, 0 contacts)"

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -107,6 +108,28 @@ def test_a_recorder_says_how_much_it_holds():
     recorder = world.record(every=2)
     world.step(4)
     assert repr(recorder) == "Recorder(frames=3, bodies=1, time_step=0.01 s)"
+
+
+@pytest.mark.parametrize("kind", ["html", "video", "gltf", "usd"])
+def test_a_recorder_saves_what_its_recording_saves(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    asked: list[tuple[vx.Recording, object, dict[str, object]]] = []
+
+    def note(recording: vx.Recording, path: Path, **options: object) -> Path:
+        asked.append((recording, path, options))
+        return path
+
+    monkeypatch.setattr(vx.Recording, f"save_{kind}", note)
+    world = vx.World()
+    ball = world.add(vx.Sphere(0.1))
+    recorder = world.record()
+    world.step(2)
+    path = tmp_path / "fall"
+    assert getattr(recorder, f"save_{kind}")(path, colors={ball: (1, 2, 3)}, up="+y") == path
+    ((recording, place, options),) = asked
+    assert (recording.frame_count, place, options) == (3, path, {"up": "+y"})
+    assert recording.bodies[0].color == (1, 2, 3)
 
 
 def test_a_stopped_recorder_takes_no_more_frames():

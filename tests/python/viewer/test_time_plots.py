@@ -54,5 +54,12 @@ def test_each_lane_has_a_line_of_its_colour_and_a_name():
     assert [color for color, _ in names] == re.findall(r'stroke="(#\w+)"', page)[:2]
 
 
+def test_depths_that_are_rounding_are_a_line_at_the_foot_and_have_no_digits():
+    recording = record({25: [9.68e-11], 50: [4e-11]})
+    page = draw_time_plots([Lane("", recording)], plan_timeline([recording]), full=12e-6)
+    assert read_lines(page)[1][:, 1].max() < 0.01
+    assert "deepest, below 0.1 µm" in page
+
+
 def test_without_contacts_there_is_nothing_to_plot():
     assert draw(record({})) == ""

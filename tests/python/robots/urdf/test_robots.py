@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 
 import voxshell as vx
 
@@ -33,3 +34,16 @@ def test_every_robot_of_pybullet_loads_or_has_a_fault(pybullet_data):
     assert found.keys() == REFUSED.keys()
     for name, text in REFUSED.items():
         assert text in found[name]
+
+
+def test_a_link_says_what_it_is_part_of(tmp_path: Path):
+    path = tmp_path / "door.urdf"
+    path.write_text(
+        '<robot name="door"><link name="wall"/><link name="leaf"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry>'
+        '<box size="1 1 1"/></geometry></collision></link><joint name="turn" type="continuous">'
+        '<parent link="wall"/><child link="leaf"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    robot = vx.load_urdf(vx.World(), path)
+    assert repr(robot.links["wall"]) == "Link('wall', fixed to the world)"
+    assert repr(robot.links["leaf"]) == f"Link('leaf', part of {robot.links['leaf'].body!r})"
