@@ -171,15 +171,23 @@ def _write_all(
     if outputs.replay:
         progress(PAGE, 0.5)
         recording.save_html(folder / PAGE, title=scene.title)
-    for form in dict.fromkeys(outputs.exports):
-        progress(f"{EXPORT}.{form}", 0.7)
-        _export(recording, folder / f"{EXPORT}.{form}", scene.title)
+    forms = list(dict.fromkeys(outputs.exports))
+    for number, form in enumerate(forms):
+        name = f"{EXPORT}.{form}"
+
+        def advance(_: str, fraction: float, name: str = name, number: int = number) -> None:
+            progress(name, 0.7 + 0.3 * (number + fraction) / len(forms))
+
+        advance("", 0.0)
+        _export(recording, folder / name, scene.title, advance)
 
 
-def _export(recording: Recording, path: Path, title: str) -> None:
+def _export(
+    recording: Recording, path: Path, title: str, progress: Callable[[str, float], object]
+) -> None:
     match path.suffix:
         case ".mp4" | ".gif":
-            recording.save_video(path, title=title)
+            recording.save_video(path, title=title, progress=progress)
         case ".glb":
             recording.save_gltf(path)
         case _:

@@ -167,7 +167,7 @@ class Recording:
         Args:
             path: The file, with the suffix .mp4 or .gif; written completely or not at all.
             **options: Passed to :func:`voxshell.viewer.video.save_video`: ``size`` in pixels,
-                ``frames_per_second``, ``speed``, ``up`` and ``title``.
+                ``frames_per_second``, ``speed``, ``up``, ``title`` and ``progress``.
 
         Returns:
             The path of the file.

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.base.arguments import as_integer, as_positive
+from voxshell.base.arguments import as_integer, as_positive, check_callable
 from voxshell.base.calls import explain_calls
 from voxshell.base.lengths import metric
 from voxshell.base.outputs import replacing
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.marks import MarkedContacts
@@ -24,7 +25,7 @@ from voxshell.viewer.timeline import plan_timeline
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -51,6 +52,7 @@ def save_video(
     speed: float = 1.0,
     up: str = "+z",
     title: str = "",
+    progress: Callable[[str, float], object] | None = None,
 ) -> Path:
     """Write a video of a recording.
 
@@ -62,21 +64,29 @@ def save_video(
         recording: The recording.
         size: Width and height, pixels, both even, 64 to 7,680.
         frames_per_second: Largest number of frames per second of playback; every n-th frame of the
-            recording is shown. The default is 30, and 25 for GIF, which counts in hundredths of a
-            second.
+            recording is shown, so that motion is even. The default is 30, and 25 for GIF, which
+            counts in hundredths of a second.
         speed: Simulated seconds per second of playback; 1 is real time, 0.25 slow motion.
         up: The world axis that points up, such as "+z" or "+y".
         title: Text at the top left.
+        progress: Called after each frame with the name of the stage and its completed fraction, 0
+            to 1. If it raises, no file is written, and the same exception is raised.
 
     Returns:
         The path of the file.
 
     Raises:
+        InputTypeError: ``progress`` cannot be called.
         MissingExtraError: A library is not installed, or it cannot render on this machine.
         SettingsError: An option is out of range, or no file can be written there.
         InputTypeError: There is no such option.
         FileAccessError: The file cannot be written.
+
+    Warns:
+        UserWarning: The video has fewer frames per second than ``frames_per_second``. The message
+            says how many, and why.
     """
+    check_callable(progress, "progress")
     pixels = _as_size(size)
     view_axes(up)  # a wrong axis is refused before libraries are loaded
     rate = _DEFAULT_RATES[path.suffix.lower()] if frames_per_second is None else frames_per_second
@@ -87,16 +97,47 @@ def save_video(
     )
     # A recording of a single frame becomes a still of one second.
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
+    pause = _as_pause(pause, path)
     pyvista, imageio = _import_libraries()
+    if frames_per_second is not None:
+        _warn_of_rate(path, recording, timeline, 1.0 / pause, frames_per_second)
     with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
         film = _Film(pyvista, plotter, recording, timeline, size=pixels, up=up, title=title)
         try:
             with _open_writer(imageio, temporary, pause) as writer:
-                for instant in range(len(timeline.times)):
+                count = len(timeline.times)
+                for instant in range(count):
                     writer.append_data(film.draw(instant))
+                    if progress is not None:
+                        progress("draw", (instant + 1) / count)
         except OSError as error:  # from the encoder or the disk
             raise FileAccessError(f"cannot write {path}: {error}") from error
     return path
+
+
+def _as_pause(pause: float, path: Path) -> float:
+    """Return seconds between frames that the file can state."""
+    if path.suffix.lower() != ".gif":
+        return pause
+    # Browsers slow down GIFs with less than 20 ms per frame.
+    return 0.01 * max(round(100.0 * pause), 2)
+
+
+def _warn_of_rate(
+    path: Path, recording: Recording, timeline: Timeline, rate: float, wanted: float
+) -> None:
+    """Warn if a video has clearly fewer frames per second than were asked for."""
+    if len(timeline.times) < 2 or rate > 0.99 * wanted:
+        return
+    played = timeline.speed / recording.time_step
+    shown = "all" if timeline.stride == 1 else f"one in {timeline.stride}"
+    gif = "GIFs count in hundredths of a second; " if path.suffix.lower() == ".gif" else ""
+    warn_user(
+        f"the video has {rate:.4g} frames per second instead of {wanted:.4g}: it shows {shown} of the "
+        f"{played:.4g} that the recording has in a second of playback; {gif}pass a frames_per_second that "
+        "divides this number, or record more often",
+        UserWarning,
+    )
 
 
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -160,9 +201,8 @@ def _open_writer(imageio: Any, path: Path, pause: float) -> Any:
         pause: Seconds between frames.
     """
     if path.suffix.lower() == ".gif":
-        # Browsers slow down GIFs with less than 20 ms per frame.
-        hundredths = max(round(100.0 * pause), 2)
-        return imageio.get_writer(path, format="GIF", mode="I", duration=10 * hundredths, loop=0)
+        milliseconds = round(1e3 * pause)
+        return imageio.get_writer(path, format="GIF", mode="I", duration=milliseconds, loop=0)
     return imageio.get_writer(
         path,
         format="FFMPEG",

@@ -7,7 +7,10 @@ Tests that draw are skipped without PyVista and imageio, which ``./dev`` does no
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -103,3 +106,83 @@ def test_a_body_that_comes_later_is_not_drawn_before(tmp_path: Path):
         pictures = np.array([picture[..., :3] for picture in reader], dtype=np.int64)
     red = (pictures[..., 0] > 130) & (pictures[..., 1:].max(axis=-1) < 90)
     assert (red.sum(axis=(1, 2)) > 30).tolist() == [False] * 5 + [True] * 6
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
+    """Videos are written without their libraries; what encoders were asked for."""
+    opened: list[dict[str, object]] = []
+
+    @contextmanager
+    def draw(*_: object) -> Iterator[None]:
+        yield
+
+    class Writer:
+        def __enter__(self) -> Writer:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def append_data(self, picture: object) -> None:
+            pass
+
+    def open_writer(path: Path, **options: object) -> Writer:
+        path.write_bytes(b"video")
+        opened.append(options)
+        return Writer()
+
+    class Film:
+        def __init__(self, *_: object, **__: object) -> None:
+            pass
+
+        def draw(self, instant: int) -> int:
+            return instant
+
+    encoder = SimpleNamespace(get_writer=open_writer)
+    monkeypatch.setattr("voxshell.viewer.video._import_libraries", lambda: (None, encoder))
+    monkeypatch.setattr("voxshell.viewer.video._drawing", draw)
+    monkeypatch.setattr("voxshell.viewer.video._Film", Film)
+    return opened
+
+
+def test_a_video_tells_how_far_it_is(tmp_path: Path, drawn: list[dict[str, object]]):
+    told: list[tuple[str, float]] = []
+    turn_and_fall().save_video(
+        tmp_path / "fall.mp4",
+        frames_per_second=10,
+        progress=lambda stage, fraction: told.append((stage, fraction)),
+    )
+    assert drawn[0]["fps"] == pytest.approx(10.0)
+    assert [stage for stage, _ in told] == ["draw"] * 11
+    assert [fraction for _, fraction in told] == pytest.approx(np.arange(1, 12) / 11)
+
+    def stop(stage: str, fraction: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        turn_and_fall().save_video(tmp_path / "stopped.mp4", progress=stop)
+    assert [path.name for path in tmp_path.iterdir()] == ["fall.mp4"]
+    with pytest.raises(vx.InputTypeError, match="progress must be callable, not int"):
+        turn_and_fall().save_video(tmp_path / "fall.mp4", progress=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("fall.mp4", {"frames_per_second": 40}, "30 frames per second instead of 40: it shows one in 2 of the 60"),
+        ("fall.mp4", {"frames_per_second": 60, "speed": 0.5}, "30 frames per second instead of 60: it shows all of the 30"),
+        ("fall.gif", {"frames_per_second": 60}, "50 frames per second instead of 60"),
+        ("fall.mp4", {"frames_per_second": 30}, ""),
+        ("fall.mp4", {}, ""),
+        ("fall.gif", {}, ""),
+    ],
+)  # fmt: skip
+def test_a_video_with_fewer_frames_than_asked_for_says_so(
+    tmp_path: Path, drawn: list[dict[str, object]], name: str, options: dict, message: str
+):
+    if not message:
+        turn_and_fall().save_video(tmp_path / name, **options)
+        return
+    with pytest.warns(UserWarning, match=message):
+        turn_and_fall().save_video(tmp_path / name, **options)
