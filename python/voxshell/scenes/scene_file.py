@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell.base.settings import list_names, make, parse_toml, read_text
@@ -95,7 +97,22 @@ def read_scene(path: Path) -> Scene:
 
 
 def _for_meshes(path: Path) -> str:
-    return f"if it is a mesh, use voxshell simulate drop {path}"
+    """Return what to do with a mesh, which people take for a scene: a scene that it falls in."""
+    # The studies, a package of their own, add this command.
+    drop = (
+        f"use voxshell simulate drop {path}, or " if entry_points(group="voxshell.commands") else ""
+    )
+    lines = (
+        "[meshes.part]",
+        f"file = {json.dumps(str(path), ensure_ascii=False)}",  # as TOML writes texts
+        "[bodies]",
+        'part = { mesh = "part", mass = 1.0, position = [0.0, 0.0, 0.3] }',
+        'ground = { shape = "plane" }',
+    )
+    return (
+        f"if it is a mesh, {drop}run voxshell simulate scene.toml --out result with a file scene.toml of five "
+        f"lines, and scale = 0.001 after the second for a mesh in millimeters: {' | '.join(lines)}"
+    )
 
 
 def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:

@@ -8,8 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import trimesh
 import voxshell as vx
 from voxshell.scenes.scene_file import read_scene
+from voxshell.scenes.scene_world import build_world
 
 BODY = '[bodies.b{0}]\nshape = "box"\nhalf_extents = [1, 1, 1]\nposition = [{0}, 0, 1]\nmass = 1\n'
 BODIES = "[scene]\n" + "".join(BODY.format(i) for i in range(400))
@@ -115,3 +117,26 @@ def test_a_byte_order_mark_is_skipped(tmp_path: Path):
     path.write_bytes(b"\xef\xbb\xbf" + ONE.replace("mass = 1", "mass = -1").encode())
     with pytest.raises(vx.SettingsError, match=r"scene\.toml:4: bodies\.a\.mass"):
         read_scene(path)
+
+
+@pytest.mark.parametrize("studies", [True, False])
+def test_a_mesh_is_answered_with_the_lines_of_a_scene_that_run(
+    studies: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    found = ["studies"] if studies else []
+    monkeypatch.setattr("voxshell.scenes.scene_file.entry_points", lambda group: found)
+    mesh = tmp_path / 'a "part".stl'
+    trimesh.creation.box((0.1, 0.1, 0.1)).export(mesh)
+    with pytest.raises(vx.SettingsError) as raised:
+        read_scene(mesh)
+    told, _, scene_told = str(raised.value).partition("millimeters: ")
+    lines = scene_told.split(" | ")
+    assert ("voxshell simulate drop" in told) == studies
+    assert "voxshell simulate scene.toml --out result" in told
+    path = tmp_path / "scene.toml"
+    path.write_text("\n".join(lines))
+    scene = read_scene(path)
+    assert len(lines) == 5
+    world = build_world(scene, lambda *_: None)
+    world.step(200)
+    assert world.bodies[0].position[2] == pytest.approx(0.05, abs=0.001)
