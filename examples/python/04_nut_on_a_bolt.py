@@ -9,16 +9,30 @@ import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from voxshell_studies.scenes.bolt import BoltSettings, measure_turns
+from solids import as_mesh, make_bolt, make_nut
+from trimesh.transformations import rotation_matrix
 
 TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most
 RATE, MASS = 1000.0, 0.05
+RADIUS, DEPTH, PITCH, CLEARANCE = 0.010, 0.0015, 0.006, 0.0004  # of the thread, meters
+HEAD, LENGTH, HEIGHT = 0.006, 0.048, 0.009  # of the bolt's head and thread, and of the nut
+
+
+def measure_turns(pose):
+    """The angle about z of a pose, in turns, -0.5 to 0.5."""
+    return np.arctan2(pose[1, 0], pose[0, 0]) / (2.0 * np.pi)
+
 
 options = parse_command(__doc__)
-thread = BoltSettings(voxel_size=0.0004 if options.quick else 0.0002)
-bolt, nut_model = thread.build_bolt(), thread.build_nut()
-start = thread.compute_fit(5.3)
-start[2, 3] -= thread.clearance  # on the flanks below, which slope by 45 degrees
+thread = RADIUS, DEPTH, PITCH
+solids = make_bolt(*thread, LENGTH, HEAD), make_nut(*thread, HEIGHT, CLEARANCE)
+voxel = 0.0004 if options.quick else 0.0002
+bolt, nut_model = (
+    vx.Model.from_mesh(as_mesh(solid), voxel_size=voxel, point_spacing=2.0 * voxel)
+    for solid in solids
+)
+start = rotation_matrix(2.0 * np.pi * 5.3, (0, 0, 1))  # 5.3 turns up the thread
+start[2, 3] = 5.3 * PITCH - CLEARANCE  # on the flanks below, which slope by 45 degrees
 world = vx.World(time_step=1 / RATE, sleeping=False)
 world.add(bolt, mass=0, friction=0.5, name="bolt")
 nut = world.add(nut_model, mass=MASS, pose=start, friction=0.5, name="nut")
@@ -51,16 +65,16 @@ tell(
         "seconds": len(rows) / RATE,
         "down_mm": 1e3 * float(down[-1]),
         "down_a_turn_mm": 1e3 * float(down[-1] / turns[-1]),
-        "pitch_mm": 1e3 * thread.pitch,
-        "off_the_helix_at_most_mm": 1e3 * float(np.abs(down - thread.pitch * turns).max()),
+        "pitch_mm": 1e3 * PITCH,
+        "off_the_helix_at_most_mm": 1e3 * float(np.abs(down - PITCH * turns).max()),
         "off_the_axis_at_most_mm": 1e3 * float(sideways.max()),
-        "clearance_mm": 1e3 * thread.clearance,
+        "clearance_mm": 1e3 * CLEARANCE,
         "deepest_contact_mm": 1e3 * float(depths.max()),
         "distance_at_the_end_mm": 1e3 * gap,
     },
 )
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frame=30, cut=("nut",), azimuth=35)
-lines = {"measured": 1e3 * down, "a pitch a turn": 1e3 * thread.pitch * turns}
+lines = {"measured": 1e3 * down, "a pitch a turn": 1e3 * PITCH * turns}
 plot(options.out / "plot.png", turns, lines, x_label="turns", y_label="way down, mm")
 recording.save_html(options.out / "replay.html", title="A nut runs down its bolt")

@@ -5,14 +5,12 @@ motor of at most 0.05 N m turns the small gear; the large one follows, tooth by 
 half the speed.
 """
 
-import manifold3d as m3
 import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
+from solids import as_mesh, m3, make_gear
 from trimesh.transformations import rotation_matrix
-from voxshell_studies.scenes.gear import make_gear
-from voxshell_studies.scenes.solids import as_mesh
 
 MODULE, TEETH, WIDTH, BORE = 0.002, (12, 24), 0.008, 0.004
 SPEED, TORQUE, RATE, MASSES = 1.0, 0.05, 500.0, (0.05, 0.2)  # turns/s, N m, Hz, kg

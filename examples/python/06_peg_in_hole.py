@@ -5,13 +5,12 @@ tilted by 0.3 degrees: radii 0.1 and 0.05 mm below the hole's, and 0.1 mm above.
 larger than the clearance: walls are smooth, and there the field is off by half a micrometre.
 """
 
-import manifold3d as m3
 import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
+from solids import as_mesh, m3
 from trimesh.transformations import rotation_matrix
-from voxshell_studies.scenes.solids import as_mesh
 
 RADIUS, DEPTH, CHAMFER, SEGMENTS = 0.01, 0.02, 0.001, 192
 RATE, SECONDS = 500.0, 1.0

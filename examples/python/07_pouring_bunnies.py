@@ -4,13 +4,12 @@ Models are immutable, so all bunnies share one, and the bowl is another: concave
 convex part anywhere. `--mesh` takes any other file.
 """
 
-import manifold3d as m3
 import numpy as np
 import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from voxshell_studies.scenes.solids import as_mesh
+from solids import as_mesh, m3
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"  # Debian: glmark2-data
 RATE, EACH = 200.0, 0.15  # Hz; seconds for each bunny

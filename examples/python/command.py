@@ -1,8 +1,33 @@
-"""What all examples' commands share: their options, and how they tell their figures."""
+"""What all examples' commands share: options, how they tell their figures, and what they say if a package is missing."""
 
 import argparse
 import json
+import sys
 from pathlib import Path
+
+import voxshell as vx
+
+PACKAGES = {
+    "PIL": "pillow",
+    "distributed": "distributed",
+    "manifold3d": "'voxshell[viewer]'",
+    "matplotlib": "'voxshell[report]'",
+}
+"""What to install for the modules that voxshell does without."""
+
+
+def tell_missing(kind, error, trace):
+    """Ends the program in one line if a package is missing; it is Python's hook for errors."""
+    name = (getattr(error, "name", None) or "").partition(".")[0]
+    if isinstance(error, ModuleNotFoundError) and name in PACKAGES:
+        print(f"this example needs {name}: pip install {PACKAGES[name]}", file=sys.stderr)
+    elif isinstance(error, vx.MissingExtraError):
+        print(error, file=sys.stderr)
+    else:
+        sys.__excepthook__(kind, error, trace)
+
+
+sys.excepthook = tell_missing
 
 
 def parse_command(text, **more):

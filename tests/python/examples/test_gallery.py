@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -108,6 +109,32 @@ HOLDS = {
 def test_the_gallery_is_numbered_without_gaps():
     assert [int(path.name[:2]) for path in PROGRAMS] == list(range(1, len(PROGRAMS) + 1))
     assert set(HOLDS) <= {path.stem for path in PROGRAMS}
+
+
+def test_examples_need_nothing_but_the_package_and_what_others_publish():
+    for path in EXAMPLES.glob("*.py"):
+        assert "voxshell_studies" not in path.read_text(), path
+
+
+@pytest.mark.parametrize(
+    ("program", "missing", "said"),
+    [
+        ("01_quick_start", "matplotlib", "needs matplotlib: pip install 'voxshell[report]'"),
+        ("05_gears", "manifold3d", "needs manifold3d: pip install 'voxshell[viewer]'"),
+        ("10_distributed_sweep", "distributed", "needs distributed: pip install distributed"),
+    ],
+)
+def test_a_missing_package_is_said_in_one_line(
+    program: str, missing: str, said: str, tmp_path: Path
+):
+    path = EXAMPLES / f"{program}.py"
+    code = (
+        f"import runpy, sys; sys.modules[{missing!r}] = None; sys.path.insert(0, {str(EXAMPLES)!r}); "
+        f"sys.argv[1:] = ['--out', {str(tmp_path)!r}]; runpy.run_path({str(path)!r}, run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == f"this example {said}\n"
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
