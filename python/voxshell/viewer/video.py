@@ -13,7 +13,6 @@ from voxshell.base.arguments import as_integer, as_positive, check_callable
 from voxshell.base.calls import explain_calls
 from voxshell.base.lengths import metric
 from voxshell.base.outputs import replacing
-from voxshell.base.user_warnings import warn_user
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.marks import MarkedContacts
@@ -22,6 +21,7 @@ from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.surface import split_creases
 from voxshell.viewer.timeline import plan_timeline
+from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
 
 if TYPE_CHECKING:
@@ -97,14 +97,14 @@ def save_video(
     )
     # A recording of a single frame becomes a still of one second.
     pause = float(timeline.pauses[0]) if len(timeline.pauses) else 1.0
-    pause = _as_pause(pause, path)
+    pause = as_pause(pause, path)
     pyvista, imageio = _import_libraries()
     if frames_per_second is not None:
-        _warn_of_rate(path, recording, timeline, 1.0 / pause, frames_per_second)
+        warn_of_rate(path, recording, timeline, 1.0 / pause, frames_per_second)
     with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
         film = _Film(pyvista, plotter, recording, timeline, size=pixels, up=up, title=title)
         try:
-            with _open_writer(imageio, temporary, pause) as writer:
+            with open_writer(imageio, temporary, pause) as writer:
                 count = len(timeline.times)
                 for instant in range(count):
                     writer.append_data(film.draw(instant))
@@ -113,31 +113,6 @@ def save_video(
         except OSError as error:  # from the encoder or the disk
             raise FileAccessError(f"cannot write {path}: {error}") from error
     return path
-
-
-def _as_pause(pause: float, path: Path) -> float:
-    """Return seconds between frames that the file can state."""
-    if path.suffix.lower() != ".gif":
-        return pause
-    # Browsers slow down GIFs with less than 20 ms per frame.
-    return 0.01 * max(round(100.0 * pause), 2)
-
-
-def _warn_of_rate(
-    path: Path, recording: Recording, timeline: Timeline, rate: float, wanted: float
-) -> None:
-    """Warn if a video has clearly fewer frames per second than were asked for."""
-    if len(timeline.times) < 2 or rate > 0.99 * wanted:
-        return
-    played = timeline.speed / recording.time_step
-    shown = "all" if timeline.stride == 1 else f"one in {timeline.stride}"
-    gif = "GIFs count in hundredths of a second; " if path.suffix.lower() == ".gif" else ""
-    warn_user(
-        f"the video has {rate:.4g} frames per second instead of {wanted:.4g}: it shows {shown} of the "
-        f"{played:.4g} that the recording has in a second of playback; {gif}pass a frames_per_second that "
-        "divides this number, or record more often",
-        UserWarning,
-    )
 
 
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -190,30 +165,6 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
     finally:
         core.vtkObject.SetGlobalWarningDisplay(warned)
         core.vtkLogger.SetStderrVerbosity(verbosity)
-
-
-def _open_writer(imageio: Any, path: Path, pause: float) -> Any:
-    """Return a writer to which pictures can be appended.
-
-    Args:
-        imageio: The library.
-        path: The file, with the suffix .mp4 or .gif.
-        pause: Seconds between frames.
-    """
-    if path.suffix.lower() == ".gif":
-        milliseconds = round(1e3 * pause)
-        return imageio.get_writer(path, format="GIF", mode="I", duration=milliseconds, loop=0)
-    return imageio.get_writer(
-        path,
-        format="FFMPEG",
-        mode="I",
-        fps=1.0 / pause,
-        codec="libx264",
-        pixelformat="yuv420p",
-        quality=8,
-        macro_block_size=2,
-        ffmpeg_log_level="error",
-    )
 
 
 class _Film:
