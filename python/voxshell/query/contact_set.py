@@ -228,5 +228,5 @@ class Contacts:
     def __repr__(self) -> str:
         text = self._count_by_shell()
         if len(self) > 0:
-            text += f", deepest {self.depths.max():.3g} m"
+            text += f", deepest {round(self.depths.max(), 7) + 0.0:.3g} m"  # less is rounding
         return f"Contacts({text})" if self.exact else f"Contacts({text}, perhaps not all)"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.cli import scene_report
+from voxshell.cli import progress, scene_report
 
 EXAMPLES = Path(__file__).parents[3] / "examples" / "scenes"
 
@@ -161,6 +161,21 @@ def test_exports_are_written_beside_the_other_outputs(voxshell, scene_path, tmp_
     ended = voxshell("simulate", scene_path, "--out", tmp_path, "--export", "obj")
     assert ended.code == 2
     assert "glb" in ended.err
+
+
+def test_a_video_moves_the_progress_of_its_scene(voxshell, scene_path, tmp_path, monkeypatch):
+    told = []
+
+    def draw(recording, path, *, title, progress):  # as Recording.save_video
+        path.write_bytes(b"video")
+        progress("draw", 0.5)
+
+    monkeypatch.setattr(vx.Recording, "save_video", draw)
+    monkeypatch.setattr(scene_report, "check_extras", lambda scene: None)
+    monkeypatch.setattr(progress.Track, "update", lambda self, *state: told.append(state))
+    ended = voxshell("simulate", scene_path, "--out", tmp_path, "--export", "mp4", "glb")
+    assert ended.code == 0, ended.err
+    assert told[told.index(("recording.mp4", 0.7)) + 1] == ("recording.mp4", pytest.approx(0.775))
 
 
 def test_a_watched_scene_waits_for_somebody_until_ctrl_c(scene_path, tmp_path):
