@@ -10,6 +10,7 @@
 #include "blows.h"
 #include "compound_algorithm.h"
 #include "contact_constants.h"
+#include "step_end.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -66,6 +67,36 @@ class SearchAgain : public btOverlapCallback {
   bool has_found_ = false;
 };
 
+/// Searches for contacts of bodies that turn into each other.
+class SearchEnds : public btOverlapCallback {
+ public:
+  SearchEnds(StepEnd& step_end, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
+      : step_end_(step_end), dispatcher_(dispatcher), info_(info) {}
+
+  bool processOverlap(btBroadphasePair& pair) override {
+    auto* const a = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
+    auto* const b = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+    btRigidBody* const body_a = btRigidBody::upcast(a);
+    btRigidBody* const body_b = btRigidBody::upcast(b);
+    if (pair.m_algorithm == nullptr || body_a == nullptr || body_b == nullptr) return false;
+    if (!a->isActive() && !b->isActive()) return false;
+    if (!dispatcher_.needsResponse(a, b)) return false;
+    if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
+    const bool has_added =
+        step_end_.add_contacts(*pair.m_algorithm, *body_a, *body_b, dispatcher_, info_);
+    has_found_ = has_found_ || has_added;
+    return false;  // the pair stays
+  }
+
+  bool has_found() const { return has_found_; }
+
+ private:
+  StepEnd& step_end_;
+  btCollisionDispatcher& dispatcher_;
+  const btDispatcherInfo& info_;
+  bool has_found_ = false;
+};
+
 /// Undoes a factor by axis; where that is 0, so is what it made.
 btVector3 divide(const btVector3& v, const btVector3& factor) {
   const auto by = [](btScalar x, btScalar f) { return f != 0 ? x / f : btScalar(0); };
@@ -84,12 +115,18 @@ void CheckedMotion::State::put_on(btRigidBody& body) const {
   body.setAngularVelocity(angular_velocity);
 }
 
-CheckedMotion::CheckedMotion() : blows_(std::make_unique<Blows>()) {}
+CheckedMotion::State CheckedMotion::Checked::go_on() const {
+  return {before.world_from_body, solved.linear_velocity, solved.angular_velocity};
+}
+
+CheckedMotion::CheckedMotion()
+    : blows_(std::make_unique<Blows>()), step_end_(std::make_unique<StepEnd>()) {}
 
 CheckedMotion::~CheckedMotion() = default;
 
 void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies) {
   solutions_ = 1;
+  solutions_of_turns_ = 0;
   all_.clear();
   blows_->clear();
   for (int i = 0; i < bodies.size(); ++i) {
@@ -141,20 +178,19 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
     checked.solved = State::of(*checked.body);
     if (is_faster(checked, info.m_timeStep)) faster_.push_back(checked.body);
   }
-  if (faster_.empty()) return false;
+  const bool has_turned = find_turned(broadphase, dispatcher, info);
+  if (faster_.empty() && !has_turned) return false;
   for (const Checked& checked : all_) checked.start.put_on(*checked.body);
   std::ranges::sort(faster_);
   blows_->find(dispatcher, faster_, info.m_timeStep);
   for (const Checked& checked : all_) {
     // Their velocity has what forces add.
-    State{checked.before.world_from_body, checked.solved.linear_velocity,
-          checked.solved.angular_velocity}
-        .put_on(*checked.body);
+    checked.go_on().put_on(*checked.body);
     checked.body->clearForces();
   }
   const bool has_come_back = blows_->restore(info.m_timeStep);
   const bool has_found = search(broadphase, dispatcher, info);
-  const bool is_unfinished = has_found || has_come_back;
+  const bool is_unfinished = has_found || has_come_back || has_turned;
   if (is_unfinished) blows_->keep(dispatcher, info.m_timeStep);
   for (const Checked& checked : all_) {
     (is_unfinished ? checked.before : checked.solved).put_on(*checked.body);
@@ -165,6 +201,18 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
   blows_->strike();
   for (Checked& checked : all_) checked.start = State::of(*checked.body);
   return true;
+}
+
+/// Looks where bodies that turn end the step, in pairs that have contacts.
+bool CheckedMotion::find_turned(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                                const btDispatcherInfo& info) {
+  if (solutions_of_turns_ == kMostSolutionsOfTurns) return false;
+  for (const Checked& checked : all_) checked.go_on().put_on(*checked.body);
+  SearchEnds search(*step_end_, static_cast<btCollisionDispatcher&>(dispatcher), info);
+  broadphase.getOverlappingPairCache()->processAllOverlappingPairs(&search, &dispatcher, info);
+  for (const Checked& checked : all_) checked.solved.put_on(*checked.body);
+  if (search.has_found()) ++solutions_of_turns_;
+  return search.has_found();
 }
 
 /// Looks for contacts of bodies that are faster, in pairs that have none.

@@ -17,6 +17,7 @@
 #include "compound_algorithm.h"
 #include "hull.h"
 #include "model_algorithm.h"
+#include "plane_algorithm.h"
 #include "posed_pair.h"
 
 namespace voxshell::bullet {
@@ -88,7 +89,14 @@ class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
 };
 
 constexpr std::size_t kLargestAlgorithm =
-    std::max(sizeof(CompoundAlgorithm), sizeof(ModelAlgorithm));
+    std::max({sizeof(CompoundAlgorithm), sizeof(ModelAlgorithm), sizeof(PlaneAlgorithm)});
+
+/// Whether a shape without flat sides all around lies on a plane; Bullet finds several corners of
+/// others.
+bool is_on_plane(int type0, int type1) {
+  return btBroadphaseProxy::isConvex(type0) && !btBroadphaseProxy::isPolyhedral(type0) &&
+         type1 == STATIC_PLANE_PROXYTYPE;
+}
 
 /// The pools of the base class must hold our algorithms, whatever the caller asked for.
 btDefaultCollisionConstructionInfo with_room(btDefaultCollisionConstructionInfo info) {
@@ -130,6 +138,8 @@ struct CollisionConfiguration::CreateFunctions {
   ServingCreateFunc simulation;
   ServingCreateFunc contact_test;
   RefusingCreateFunc refusing;
+  PlaneAlgorithm::CreateFunc on_plane{/*is_plane_first=*/false};
+  PlaneAlgorithm::CreateFunc under_convex{/*is_plane_first=*/true};
   CompoundCreateFunc compound{/*compound_is_second=*/false};
   CompoundCreateFunc compound_second{/*compound_is_second=*/true};
 
@@ -159,6 +169,8 @@ CollisionConfiguration::~CollisionConfiguration() = default;
 btCollisionAlgorithmCreateFunc* CollisionConfiguration::getCollisionAlgorithmCreateFunc(int type0,
                                                                                         int type1) {
   if (auto* ours = create_functions_->of(type0, type1, create_functions_->simulation)) return ours;
+  if (is_on_plane(type0, type1)) return &create_functions_->on_plane;
+  if (is_on_plane(type1, type0)) return &create_functions_->under_convex;
   if (btBroadphaseProxy::isCompound(type0)) return &create_functions_->compound;
   if (btBroadphaseProxy::isCompound(type1)) return &create_functions_->compound_second;
   return btDefaultCollisionConfiguration::getCollisionAlgorithmCreateFunc(type0, type1);

@@ -53,6 +53,7 @@ class SlideToNearest {
     const Vec3 start = place.position;
     double nearer = 0.0;
     double farther = std::numeric_limits<double>::infinity();
+    const auto turns_over = [&] { return farther - nearer <= within_ * first_step_; };
     const auto zero = find_zero(
         [&](double way) -> std::optional<double> {
           const auto there = nearest_(start + way * along, place);
@@ -61,11 +62,12 @@ class SlideToNearest {
           const Vec3 tangent = normalized(along - dot(along, place.normal) * place.normal);
           const double leans = dot(feel_(place.position).outwards, tangent);
           (leans < 0.0 ? nearer : farther) = way;
+          if (turns_over()) return std::nullopt;
           return leans;
         },
         first_step_, least_curvature_, 0.5 * within_);
     if (zero) return false;
-    if (farther - nearer <= within_ * first_step_) return true;
+    if (turns_over()) return true;
     return std::nullopt;
   }
 

@@ -62,6 +62,10 @@ class SlidingPlace {
         shell_from_other_(other_from_shell_.inverse()),
         motion_(body.is_shell ? motion : motion.reversed()),
         other_(body.is_shell ? step.pair->field_side() : step.pair->shell_side()),
+        safe_of_gap_(
+            (body.is_shell ? step.pair->field_side() : step.pair->shell_side()).has_sharp_field()
+                ? kBoldOfGap
+                : kSafeOfGap),
         place_(body.place) {}
 
   /// Where they touch. Where it is not found on the way, what was found last counts if they are as
@@ -145,13 +149,14 @@ class SlidingPlace {
     // Near an edge, places on both sides of it feel its faces; what they felt before is true.
     if (!now || (now->gap < 0.0 && met_)) return {0.0, 0.0};
     met_ = now;
-    return {now->gap, kSafeOfGap * now->gap};
+    return {now->gap, safe_of_gap_ * now->gap};
   }
 
   /// Slides the place to where the other body is nearest, after a fraction of the step.
   std::optional<Met> settle(double fraction) {
     const auto nearest = [&](const Vec3& point, const RoundSide::Place& guess) {
-      return body_.round.nearest(point, &guess);
+      const auto walked = body_.round.nearest_from(guess, point);
+      return walked ? walked : body_.round.nearest(point, &guess);
     };
     const auto feel = [&](const Vec3& position) {
       const Path path = path_of(position);
@@ -175,6 +180,7 @@ class SlidingPlace {
   Pose shell_from_other_;
   RelativeMotion motion_;  ///< of the round body as the other one sees it, in the shell's frame
   SmoothField other_;
+  double safe_of_gap_;  ///< gaps that samples tell may be too large
   RoundSide::Place place_;
   double within_ = kSlidesWithin;  ///< see SlideToNearest
   std::optional<Met> met_;

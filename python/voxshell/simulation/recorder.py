@@ -188,11 +188,12 @@ class Recorder:
         )
 
     def _take_frame(self) -> None:
-        for body in self._present:
-            if not body.removed:
-                self._poses.setdefault(body, [])
+        # Other threads may add and remove bodies meanwhile.
+        present = {body: body.pose for body in tuple(self._present) if not body.removed}
+        for body in present:
+            self._poses.setdefault(body, [])
         for body, known in self._poses.items():
-            known.append(known[-1] if body.removed else body.pose)
+            known.append(present[body] if body in present else known[-1])
         contacts = as_contacts(self._simulation.contacts())
         dynamic = [body.number for body in self._poses if body.motion == "dynamic"]
         self._contacts.append(contacts)

@@ -12,13 +12,16 @@
 namespace voxshell::bullet {
 
 class Blows;
+class StepEnd;
 
-/// Looks along the motion that the solver has found for bodies that it made fast.
+/// Looks along the motion that the solver has found for bodies that it made fast, and for bodies
+/// that turn into each other.
 ///
 /// CCD looks along the velocity from before the step. A motor that starts beside a wall, a force
 /// with a lever and a blow of another body move places within the step that were at rest before
-/// it, and these end in bodies that they had no contact with.
-/// docs/decisions/0063-motion-is-checked.md.
+/// it, and these end in bodies that they had no contact with
+/// (docs/decisions/0063-motion-is-checked.md). Bodies that have contacts may turn into each other
+/// (docs/decisions/0066-bodies-that-turn-into-each-other.md).
 class CheckedMotion {
  public:
   CheckedMotion();
@@ -51,18 +54,25 @@ class CheckedMotion {
     State solved;
     btVector3 force;
     btVector3 torque;
+
+    /// Where the step begins, as the solver has it move.
+    State go_on() const;
   };
 
   static bool is_faster(const Checked& checked, btScalar time_step);
   bool is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info);
+  bool find_turned(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
+                   const btDispatcherInfo& info);
   bool search(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
               const btDispatcherInfo& info) const;
 
   std::vector<Checked> all_;
   std::vector<const btCollisionObject*> faster_;  ///< bodies that the solver made fast, by address
   std::unique_ptr<Blows> blows_;
-  int solutions_ = 0;  ///< of the step
+  std::unique_ptr<StepEnd> step_end_;
+  int solutions_ = 0;           ///< of the step
+  int solutions_of_turns_ = 0;  ///< of these, with contacts of bodies that turn
 };
 
 /// A Bullet dynamics world that checks the solver's motion, and solves again where it leads into
