@@ -149,8 +149,8 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
        {0x8e3ba82ca7749448, 0x08dc67fcc8dbf52b, 0x78d349a5b2c7fae6, 0x1f83b75ed94a1e2b,
         0x4c0243bb235a9dcd, 0x93dbf55bb4fd8523}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xd65576854e9fefad, 0xeeb48bbe310afb24, 0x30c163737c63c9ae, 0xb6b4ecd5434275e7,
-        0xf7920f735e679f49, 0x0ad0be0a48a51a42}},
+       {0xbf8c74715a340691, 0xfc94bdfbc798d69a, 0xf44904a0001f7037, 0x3802a68b8980ce22,
+        0x36e064331a1ddbb2, 0xe13d765bbf5199bc}},
   };
   return hashes;
 }

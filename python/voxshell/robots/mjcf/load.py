@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from voxshell.base.arguments import as_flag
+from voxshell.base.calls import explain_calls
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.description import shorten_names
 from voxshell.robots.lumps import find_lumps
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
 
 
+@explain_calls
 def load_mjcf(
     world: World,
     path: str | os.PathLike[str],

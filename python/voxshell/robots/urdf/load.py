@@ -6,6 +6,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
 from voxshell.base.arguments import as_flag
+from voxshell.base.calls import explain_calls
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.world import World
 
 
+@explain_calls
 def load_urdf(
     world: World,
     path: str | os.PathLike[str],
