@@ -115,14 +115,12 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
     return found
 
 
-def warn_of_coarse_tolerance(
-    tolerance: float, bounds: tuple[NDArray[np.float64], NDArray[np.float64]]
-) -> None:
+def warn_of_coarse_tolerance(tolerance: float, bounds: NDArray[np.float64]) -> None:
     """Warn of a tolerance that is coarse for the mesh, as one in millimeters is.
 
     Args:
         tolerance: As given to the build, meters.
-        bounds: Of the mesh, lowest and highest corners, (3,) each, meters. A flat sheet has a
+        bounds: Of the mesh, (2, 3): lowest and highest coordinates, meters. A flat sheet has a
             shortest side of 0, which says nothing.
     """
     shortest = float(np.min(bounds[1] - bounds[0]))
