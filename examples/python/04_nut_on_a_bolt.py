@@ -9,7 +9,7 @@ import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from solids import as_mesh, make_bolt, make_nut
+from machine_parts import as_mesh, make_bolt, make_nut
 from trimesh.transformations import rotation_matrix
 
 TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most

@@ -9,7 +9,7 @@ import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from solids import as_mesh, m3, make_gear
+from machine_parts import as_mesh, m3, make_gear
 from trimesh.transformations import rotation_matrix
 
 MODULE, TEETH, WIDTH, BORE = 0.002, (12, 24), 0.008, 0.004

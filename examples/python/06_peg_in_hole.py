@@ -9,7 +9,7 @@ import numpy as np
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from solids import as_mesh, m3
+from machine_parts import as_mesh, m3
 from trimesh.transformations import rotation_matrix
 
 RADIUS, DEPTH, CHAMFER, SEGMENTS = 0.01, 0.02, 0.001, 192

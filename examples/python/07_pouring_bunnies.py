@@ -9,7 +9,7 @@ import trimesh
 import voxshell as vx
 from command import parse_command, tell
 from drawing import draw, plot
-from solids import as_mesh, m3
+from machine_parts import as_mesh, m3
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"  # Debian: glmark2-data
 RATE, EACH = 200.0, 0.15  # Hz; seconds for each bunny

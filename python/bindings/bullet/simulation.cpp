@@ -79,10 +79,8 @@ Simulation::~Simulation() { drop_world(); }
 
 void Simulation::make_world() {
   configuration_ = std::make_unique<bullet::CollisionConfiguration>(settings_.contact);
-  // With one point per step, Bullet's own boxes sink into Bullet's planes at 60 Hz, and a cylinder
-  // that lands flat on Bullet's box tips over.
+  // With one point per step, Bullet's own boxes sink into Bullet's planes at 60 Hz.
   configuration_->setPlaneConvexMultipointIterations();
-  configuration_->setConvexConvexMultipointIterations(MANIFOLD_CACHE_SIZE, MANIFOLD_CACHE_SIZE);
   dispatcher_ = std::make_unique<TimedDispatcher>(configuration_.get(), settings_.threads);
   btGImpactCollisionAlgorithm::registerAlgorithm(dispatcher_.get());
   broadphase_ = std::make_unique<btDbvtBroadphase>();

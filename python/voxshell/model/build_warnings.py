@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from voxshell.base.user_warnings import warn_user
 from voxshell.model.accuracy import AccuracyWarning, read_accuracy
 from voxshell.model.meshes import MeshWarning
@@ -11,7 +13,6 @@ from voxshell.model.meshes import MeshWarning
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from voxshell._core import Model as CoreModel
@@ -115,15 +116,14 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
     return found
 
 
-def warn_of_coarse_tolerance(tolerance: float, bounds: NDArray[np.float64]) -> None:
+def warn_of_coarse_tolerance(tolerance: float, extents: NDArray[np.float64]) -> None:
     """Warn of a tolerance that is coarse for the mesh, as one in millimeters is.
 
     Args:
         tolerance: As given to the build, meters.
-        bounds: Of the mesh, (2, 3): lowest and highest coordinates, meters. A flat sheet has a
-            shortest side of 0, which says nothing.
+        extents: Of the mesh, (3,), meters. A flat sheet has a shortest side of 0, which says nothing.
     """
-    shortest = float(np.min(bounds[1] - bounds[0]))
+    shortest = float(extents.min())
     if 0.0 < shortest < _COARSE * tolerance:
         warn_user(
             f"a tolerance of {tolerance:g} m is {tolerance / shortest:.2g} times the mesh's shortest side of "

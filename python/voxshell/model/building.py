@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from voxshell._core import Model as CoreModel
 from voxshell.errors import MemoryLimitError, MeshError
@@ -12,7 +14,23 @@ from voxshell.model.meshes import doubt_unit, name_of, naming_file, read_mesh
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from voxshell.model.meshes import MeshLike
+
+
+class BuiltCore(NamedTuple):
+    """A model's core and its mesh.
+
+    Attributes:
+        core: The core.
+        doubt: Why the mesh is probably not in meters, or "".
+        extents: Of the mesh, (3,) float64, meters.
+    """
+
+    core: CoreModel
+    doubt: str
+    extents: NDArray[np.float64]
 
 
 def build_core(
@@ -23,8 +41,8 @@ def build_core(
     threads: int = 0,
     is_cached: bool = True,
     progress: Callable[[str, float], object] | None = None,
-) -> tuple[CoreModel, str]:
-    """Return the core of a model, and why it is probably not in meters, or ""; nothing is warned of.
+) -> BuiltCore:
+    """Return the core of a model, and what is known of its mesh; nothing is warned of.
 
     Args:
         mesh: As for :meth:`Model.from_mesh`.
@@ -52,9 +70,11 @@ def build_core(
         with naming_file(mesh):
             if is_cached:
                 key = compute_key(arrays, settings)
-                return open_cache().fetch(key, build, waiting, name_of(mesh)), doubt
-            return build(), doubt
+                core = open_cache().fetch(key, build, waiting, name_of(mesh))
+            else:
+                core = build()
     except (MeshError, MemoryLimitError) as error:
         if not doubt:
             raise
         raise type(error)(f"{error}; {doubt}") from None
+    return BuiltCore(core, doubt, np.ptp(arrays.vertices, axis=0))

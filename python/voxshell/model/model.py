@@ -199,7 +199,7 @@ class Model:
             open_as=open,
             sheet_thickness=sheet_thickness,
         )
-        core, doubt = build_core(
+        core, doubt, extents = build_core(
             mesh,
             settings,
             scale=scale,
@@ -209,11 +209,10 @@ class Model:
         )
         if doubt:
             warn_user(doubt, MeshWarning)
-        model = cls(core)
         if tolerance is not None:
-            warn_of_coarse_tolerance(tolerance, model.bounds)
+            warn_of_coarse_tolerance(tolerance, extents)
         warn_of(find_flaws(core, sign=sign, open_as=open))
-        return model
+        return cls(core)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model to a file, which :meth:`load` reads in milliseconds.
