@@ -4,6 +4,8 @@ import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
+from voxshell.base.near_names import Absent
+
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "_ext"))
 
@@ -51,8 +53,14 @@ def hide_made_elsewhere(app, what, name, obj, options, signature, annotation):
     return ("", annotation) if what == "class" and inside else None
 
 
+def skip_absent(app, what, name, member, skip, options):
+    """Leave out names that a class does not have and whose use explains itself."""
+    return True if isinstance(member, Absent) else None
+
+
 def setup(app):
     app.connect("autodoc-process-signature", hide_made_elsewhere)
+    app.connect("autodoc-skip-member", skip_absent)
 
 
 plot_formats = [("png", 160)]
