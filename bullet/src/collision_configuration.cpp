@@ -91,8 +91,7 @@ class ServingCreateFunc : public btCollisionAlgorithmCreateFunc {
 constexpr std::size_t kLargestAlgorithm =
     std::max({sizeof(CompoundAlgorithm), sizeof(ModelAlgorithm), sizeof(PlaneAlgorithm)});
 
-/// Whether a shape without flat sides all around lies on a plane; Bullet finds several corners of
-/// others.
+/// Whether PlaneAlgorithm serves a pair. Of polyhedra on planes, Bullet finds several corners.
 bool is_on_plane(int type0, int type1) {
   return btBroadphaseProxy::isConvex(type0) && !btBroadphaseProxy::isPolyhedral(type0) &&
          type1 == STATIC_PLANE_PROXYTYPE;

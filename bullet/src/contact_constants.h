@@ -499,13 +499,16 @@ inline constexpr double kCheckedOfExpected = 0.5;
 /// How often a step is solved at most. Fewer: at low rates a blow passes through fewer balls of a
 /// row within a step, and they end in each other. Larger: heaps of elastic bodies take longer.
 inline constexpr int kMostSolutions = 9;
-/// The lowest places of one of Bullet's shapes on a plane are looked for as if it were turned by
-/// this, radians: corners of faces that lie flat to rounding.
-inline constexpr double kTurnOfFlat = 1e-3;
-/// And by this: corners of faces that land aslant. Larger: more corners that are too high to touch.
-inline constexpr double kTurnOfLanding = 0.3;
+/// Bodies that a blow has parted may come back, in the solution after it, up to this many times as
+/// fast: a light ball between two heavy ones that approach it comes back five times as fast. Below
+/// 1: what holds them adds energy. Larger: after the last solution, they are deeper in each other.
+inline constexpr double kReturnOfParting = 5.0;
+
+// ---- bodies that turn into each other -----------------------------------------------------------
+// Decision 66.
+
 /// Bodies that turn may end a step in each other by this fraction of the smaller one's size.
-/// Smaller: more steps are solved twice. Decision 66.
+/// Smaller: more steps are solved twice.
 inline constexpr double kEndOfSize = 0.001;
 /// What turning does to the depth there is at least this fraction of it. Smaller: wheels that roll
 /// over waves are braked.
@@ -513,10 +516,14 @@ inline constexpr double kLeastByTurning = 0.5;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are
 /// deeper.
 inline constexpr int kMostSolutionsOfTurns = 3;
-/// Bodies that a blow has parted may come back, in the solution after it, up to this many times as
-/// fast: a light ball between two heavy ones that approach it comes back five times as fast. Below
-/// 1: what holds them adds energy. Larger: after the last solution, they are deeper in each other.
-inline constexpr double kReturnOfParting = 5.0;
+
+// ---- Bullet's round shapes on planes ------------------------------------------------------------
+
+/// The lowest places of one of Bullet's shapes on a plane are looked for as if it were turned by
+/// this, radians: corners of faces that lie flat to rounding.
+inline constexpr double kTurnOfFlat = 1e-3;
+/// And by this: corners of faces that land aslant. Larger: more corners that are too high to touch.
+inline constexpr double kTurnOfLanding = 0.3;
 
 // ---- segments -----------------------------------------------------------------------------------
 

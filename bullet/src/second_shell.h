@@ -10,6 +10,8 @@ namespace voxshell::bullet {
 
 /// The id of the contact of a body of which no part of the surface touches.
 inline constexpr std::uint32_t kInnerContact = kFirstOfSecond + 0x7ff00000u;
+/// The id of contacts of bodies that turn into each other.
+inline constexpr std::uint32_t kEndContact = kInnerContact + 1u;
 
 /// A contact of the second shell as one of the first: its point is the place on the first body's
 /// surface, its normal that of the field's side. `field_from_shell` is of the second query.

@@ -61,11 +61,8 @@ class SlidingPlace {
         other_from_shell_(body.is_shell ? step.field_from_shell : Pose{}),
         shell_from_other_(other_from_shell_.inverse()),
         motion_(body.is_shell ? motion : motion.reversed()),
-        other_(body.is_shell ? step.pair->field_side() : step.pair->shell_side()),
-        safe_of_gap_(
-            (body.is_shell ? step.pair->field_side() : step.pair->shell_side()).has_sharp_field()
-                ? kBoldOfGap
-                : kSafeOfGap),
+        other_(other_side(step, body)),
+        safe_of_gap_(other_side(step, body).has_sharp_field() ? kBoldOfGap : kSafeOfGap),
         place_(body.place) {}
 
   /// Where they touch. Where it is not found on the way, what was found last counts if they are as
@@ -132,6 +129,10 @@ class SlidingPlace {
   }
 
  private:
+  static const Side& other_side(const PairStep& step, const RoundBody& body) {
+    return body.is_shell ? step.pair->field_side() : step.pair->shell_side();
+  }
+
   Path path_of(const Vec3& own_place) const {
     return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
   }
@@ -180,7 +181,7 @@ class SlidingPlace {
   Pose shell_from_other_;
   RelativeMotion motion_;  ///< of the round body as the other one sees it, in the shell's frame
   SmoothField other_;
-  double safe_of_gap_;  ///< gaps that samples tell may be too large
+  double safe_of_gap_;  ///< the fraction of a gap that is safe to move by
   RoundSide::Place place_;
   double within_ = kSlidesWithin;  ///< see SlideToNearest
   std::optional<Met> met_;

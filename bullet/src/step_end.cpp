@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -16,9 +15,6 @@
 
 namespace voxshell::bullet {
 namespace {
-
-/// The id of such a contact.
-constexpr auto kEndContact = static_cast<int>(kInnerContact + 1);
 
 /// A place where two bodies are in each other. World frame.
 struct Overlap {
@@ -132,7 +128,7 @@ btManifoldPoint make_point(const btManifoldPoint& like, const Posed& first, cons
   point.m_localPointB = second.body.getWorldTransform().invXform(point.m_positionWorldOnB);
   point.m_normalWorldOnB = overlap.normal;
   point.setDistance(distance);
-  point.m_index0 = point.m_index1 = kEndContact;
+  point.m_index0 = point.m_index1 = static_cast<int>(kEndContact);
   point.m_userPersistentData = nullptr;
   point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
   point.m_combinedRestitution = 0;
@@ -153,7 +149,8 @@ btManifoldPoint* take_place(btManifoldArray& manifolds) {
   }
   btManifoldPoint* idle = nullptr;
   visit_points(manifolds, [&](btManifoldPoint& point) {
-    if (point.m_index0 == kEndContact || point.m_appliedImpulse > 0) return;
+    const bool is_new = point.m_index0 == static_cast<int>(kEndContact);
+    if (is_new || point.m_appliedImpulse > 0) return;
     if (point.m_userPersistentData != nullptr) return;  // the user's
     if (idle == nullptr || point.getDistance() > idle->getDistance()) idle = &point;
   });
