@@ -62,9 +62,9 @@ def check_extent(low_and_high: ArrayLike, label: str) -> None:
 
 
 def doubt_gravity(gravity: ArrayLike) -> None:
-    """Warn of a gravity that is probably in millimeters; far stronger ones are refused."""
+    """Warn of a gravity that is probably in millimeters."""
     strength = float(np.linalg.norm(gravity))
-    if _STRONGEST < strength < _STRONGEST**2:
+    if strength > _STRONGEST:
         warn_user(
             f"gravity is {strength:g} m/s2, {strength / _OF_THE_EARTH:.0f} times that of the Earth: lengths are in "
             "meters, so that of the Earth is (0, 0, -9.81)",

@@ -51,7 +51,7 @@ class Recorder:
         # Do not store the world, so that its recorders do not keep it alive.
         self._simulation = simulation
         self._time_step = time_step
-        self._present = bodies
+        self._bodies = bodies  # of the world, which goes on changing them
         self._every = every
         self._steps = 0
         self._stopped = False
@@ -189,7 +189,7 @@ class Recorder:
 
     def _take_frame(self) -> None:
         # Other threads may add and remove bodies meanwhile.
-        present = {body: body.pose for body in tuple(self._present) if not body.removed}
+        present = {body: body.pose for body in tuple(self._bodies) if not body.removed}
         for body in present:
             self._poses.setdefault(body, [])
         for body, known in self._poses.items():

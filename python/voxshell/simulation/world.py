@@ -167,8 +167,8 @@ class World(ViewedWorld):
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
         acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
-        doubt_gravity(acceleration)
         check_time_step(self.time_step, acceleration)
+        doubt_gravity(acceleration)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
