@@ -74,8 +74,13 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
       const auto outwards = static_cast<Vec3>(nearest->outwards);
       std::optional<Facing> facing;
       if (slides) facing = face(balls_.back(), -outwards);
-      is_exact = facing && facing->distance <= nearest->distance + scale.margin;
-      if (!is_exact) facing = {ball.place - ball.radius * outwards, outwards, nearest->distance};
+      const Vec3 position = ball.place - ball.radius * outwards;
+      // Another wall may be nearer than the one that this leads to.
+      const bool is_same = facing && squared_length(facing->position - position) <=
+                                         followed_within_ * followed_within_;
+      const double slack = scale.margin + (is_same ? field_.off_field() : 0.0);
+      is_exact = facing && facing->distance <= nearest->distance + slack;
+      if (!is_exact) facing = {position, outwards, nearest->distance};
       if (facing->distance < margin) touches_.push_back(*facing);
     }
     // Between two walls, no way leads from the centre to either. What is about the centre of a ball

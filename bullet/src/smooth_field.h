@@ -23,6 +23,9 @@ class SmoothField {
   /// Whether some of it is a smooth surface.
   bool is_smooth() const { return round_.has_value(); }
 
+  /// By how much the field and the smooth surface may be off each other, metres.
+  double off_field() const { return walk_within_; }
+
   /// Radians by which normals may miss each other where a round surface faces it.
   double faces_within() const;
 
