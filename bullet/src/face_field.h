@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "contact_constants.h"
+#include "voxshell/pose.h"
 #include "voxshell/vector.h"
 
 namespace voxshell::bullet {
@@ -13,6 +14,32 @@ struct Facing {
   Vec3 position;    ///< metres
   Vec3 outwards;    ///< the field's normal there, unit length
   double distance;  ///< by the field, metres
+};
+
+/// What a direction is to be turned by for what it misses: Broyden's method (1965), the inverse of
+/// minus the derivative. Along a groove that is hardly wider than a ball, the normal turns almost
+/// with the direction, and across it hardly at all, so that one factor for both would not do.
+class Turn {
+ public:
+  Vec3 of(const Vec3& missed) const { return by_missed_ * missed; }
+
+  /// @param turned   What the direction was turned by.
+  /// @param regained How much less it misses.
+  /// @return Whether that has made a difference.
+  bool learn(const Vec3& turned, const Vec3& regained) {
+    const Vec3 expected = by_missed_ * regained;
+    const double scale = 1.0 / dot(turned, expected);
+    if (!std::isfinite(scale)) return false;
+    const Vec3 wrong = scale * (turned - expected);
+    const Vec3 along = by_missed_.transposed() * turned;
+    by_missed_.row_x += wrong.x * along;
+    by_missed_.row_y += wrong.y * along;
+    by_missed_.row_z += wrong.z * along;
+    return true;
+  }
+
+ private:
+  Matrix3 by_missed_;
 };
 
 /// Turns a direction until the field's normal, where `slide` leads along it, is opposite to it.
@@ -29,7 +56,8 @@ template <class Slide, class Feel>
 std::optional<Facing> face_field(Vec3 direction, const Vec3& wanted, double follows, double within,
                                  const Slide& slide, const Feel& feel) {
   Vec3 missed_before;
-  double relaxation = 1.0;
+  Vec3 turned;
+  Turn turn;
   for (int i = 0; i < kMostSlides; ++i) {
     const std::optional<Vec3> position = slide(direction);
     if (!position) return std::nullopt;
@@ -40,15 +68,11 @@ std::optional<Facing> face_field(Vec3 direction, const Vec3& wanted, double foll
     if (squared_length(missed) <= within * within) return there;
     // A peg in its hole: the field's surface has turned as far, and there is no one deepest place.
     if (i == 0 && dot(missed, wanted) > follows * squared_length(wanted)) return std::nullopt;
-    // Aitken's relaxation: the field's surface is curved, too.
-    if (i > 0) {
-      const Vec3 change = missed - missed_before;
-      relaxation *= -dot(missed_before, change) / squared_length(change);
-      // The turn has made no difference.
-      if (!std::isfinite(relaxation)) return std::nullopt;
-    }
+    if (i > 0 && !turn.learn(turned, missed_before - missed)) return std::nullopt;
     missed_before = missed;
-    direction = normalized(direction + relaxation * missed);
+    const Vec3 next = normalized(direction + turn.of(missed));
+    turned = next - direction;
+    direction = next;
   }
   return std::nullopt;
 }
