@@ -1,7 +1,6 @@
 #include "contact_rule.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -107,9 +106,10 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     // What turns holds the bodies on the path that others give way to.
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found)) &&
         !(memory.turning.speed_of(found.id) > 0.0)) {
-      allow_motion(step, freely, features, found, judged);
+      allow_motion(step, freely, features, found, 0.0, judged);
       if (const auto& turned = memory.turning.motion()) {
-        allow_motion(step, *turned, features, found, judged);
+        // At its end, bodies touch with other places than now.
+        allow_motion(step, *turned, features, found, 2.0 * step.touching_gap(), judged);
       }
     }
     contacts[beside.size() - 1] = judged;
@@ -250,7 +250,6 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
     world.rolling_friction = rolling_lever;
   }
   world.turning_speed = of_step.turning->speed_of(contact.id);
-  std::fprintf(stderr,"  world %u dist %g speed %g normal %.4f %.4f %.4f\n",contact.id,-world.depth*1e3,world.turning_speed,world.normal.x,world.normal.y,world.normal.z);
   if (world.turning_speed > 0.0) return world;
   const SolverRebound rebound =
       rebound_for_solver(step, of_step.rebounding->count_with(contact.id), impact);

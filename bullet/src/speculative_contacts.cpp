@@ -330,12 +330,15 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
 }
 
 void allow_motion(const PairStep& step, const RelativeMotion& motion,
-                  std::span<const Feature> features, const Contact& found, Contact& plane) {
+                  std::span<const Feature> features, const Contact& found, double allowed,
+                  Contact& plane) {
   if (step.pair->has_triangles()) return;
   const Vec3 velocity = motion.velocity_at(static_cast<Vec3>(plane.point));
   const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
   if (closing <= impact_of(step, plane).gap) return;
-  if (find_speculative(step, motion, features, found, 1.0)) return;
+  PairStep thinner = step;
+  thinner.thickness -= allowed;
+  if (find_speculative(thinner, motion, features, found, 1.0)) return;
   widen(step, closing, plane);
 }
 

@@ -30,9 +30,11 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
 /// fall, and may pass below a bar whose nearest place, as seen from here, is aslant. Along a bend:
 /// the wall on its other side.
 ///
-/// @param found  The contact where it is now.
+/// @param found    The contact where it is now.
+/// @param allowed  How deep the bodies may get by that motion, metres.
 void allow_motion(const PairStep& step, const RelativeMotion& motion,
-                  std::span<const Feature> features, const Contact& found, Contact& plane);
+                  std::span<const Feature> features, const Contact& found, double allowed,
+                  Contact& plane);
 
 /// The same for the motion that the bodies have once the contacts that touch first have rebounded.
 /// Beside the place where two edges cross, the planes of the faces there would be in its way, far
