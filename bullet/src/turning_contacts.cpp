@@ -34,8 +34,9 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
     fastest = turning.speed;
     motion_ = step.motion;
     motion_->velocity_of_fall = {};
-    motion_->velocity = motion_->velocity + (turning.impact.approach + turning.speed) *
-                                                static_cast<Vec3>(turning.normal);
+    const double apart = turning.impact.approach + turning.impact.approach_of_forces + turning.speed;
+    motion_->velocity = step.motion.velocity + step.motion.velocity_of_forces +
+                        apart * static_cast<Vec3>(turning.normal);
   }
   std::erase_if(turning_, [](const Turning& turning) { return turning.speed == 0.0; });
 }
