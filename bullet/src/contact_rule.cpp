@@ -107,9 +107,9 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found)) &&
         !(memory.turning.speed_of(found.id) > 0.0)) {
       allow_motion(step, freely, features, found, 0.0, judged);
-      if (const auto& turned = memory.turning.motion()) {
+      for (const RelativeMotion& turned : memory.turning.motions()) {
         // At its end, bodies touch with other places than now.
-        allow_motion(step, *turned, features, found, 2.0 * step.touching_gap(), judged);
+        allow_motion(step, turned, features, found, 2.0 * step.touching_gap(), judged);
       }
     }
     contacts[beside.size() - 1] = judged;

@@ -10,7 +10,7 @@ namespace voxshell::bullet {
 void TurningContacts::find(const PairStep& step, std::span<const Contact> contacts,
                            std::span<const std::uint32_t> exact) {
   turning_.clear();
-  motion_.reset();
+  motions_.clear();
   if (!step.solver_turns_contacts) return;
   const double displacement = length(displacement_of_centres(step));
   if (displacement < kLeastTurn * step.ball.radius) return;
@@ -20,7 +20,7 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
     if (impact.gap > near || !std::ranges::binary_search(exact, contact.id)) continue;
     turning_.push_back({contact.id, contact.normal, impact, find_turn(step, contact)});
   }
-  double fastest = 0.0;
+  const Turning* fastest = nullptr;
   for (Turning& turning : turning_) {
     const double turn = mean_beside(turning.normal).value_or(0.0);
     const double gap = turning.impact.gap;
@@ -30,15 +30,22 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
         step.restitution > 0.0 && closing > kMostClosingOfTurn * turn + std::max(gap, 0.0);
     if (!(turn > 0.0) || !touches || rebounds) continue;
     turning.speed = turn / step.time_step;
-    if (turning.speed <= fastest) continue;
-    fastest = turning.speed;
-    motion_ = step.motion;
-    motion_->velocity_of_fall = {};
-    const double apart = turning.impact.approach + turning.impact.approach_of_forces + turning.speed;
-    motion_->velocity = step.motion.velocity + step.motion.velocity_of_forces +
-                        apart * static_cast<Vec3>(turning.normal);
+    if (fastest == nullptr || turning.speed > fastest->speed) fastest = &turning;
   }
+  if (fastest != nullptr) find_motions(step, *fastest);
   std::erase_if(turning_, [](const Turning& turning) { return turning.speed == 0.0; });
+}
+
+void TurningContacts::find_motions(const PairStep& step, const Turning& turning) {
+  const auto normal = static_cast<Vec3>(turning.normal);
+  const double apart = turning.impact.approach + turning.speed;
+  RelativeMotion motion = step.motion;
+  motion.velocity_of_fall = {};
+  motion.velocity = motion.velocity + apart * normal;
+  motions_.push_back(motion);
+  motion.velocity = motion.velocity + step.motion.velocity_of_forces +
+                    turning.impact.approach_of_forces * normal;
+  motions_.push_back(motion);
 }
 
 /// How much nearer the bodies come at the contacts that have a normal, about:

@@ -28,9 +28,9 @@ class TurningContacts {
   /// not turn.
   double speed_of(std::uint32_t id) const;
 
-  /// How the bodies move, without forces, as the contact has them move that turns most; none where
-  /// no contact turns.
-  const std::optional<RelativeMotion>& motion() const { return motion_; }
+  /// How the bodies move as the contact has them move that turns most: without forces, which others
+  /// may carry, and with them. None where no contact turns.
+  std::span<const RelativeMotion> motions() const { return motions_; }
 
  private:
   struct Turning {
@@ -41,10 +41,11 @@ class TurningContacts {
     double speed = 0.0;
   };
 
+  void find_motions(const PairStep& step, const Turning& turning);
   std::optional<double> mean_beside(const Vec3f& normal) const;
 
   std::vector<Turning> turning_;  ///< ascending by id
-  std::optional<RelativeMotion> motion_;
+  std::vector<RelativeMotion> motions_;
 };
 
 }  // namespace voxshell::bullet
