@@ -236,9 +236,7 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const btScalar reference = of_forces > 0 ? of_forces : velocity_of_aims();
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged || rebounds_with_friction(of_forces)) return;
-  const bool is_far_off = residual > static_cast<btScalar>(kSmallOfForces) * reference;
-  if (problem_->prepare(pools(), is_far_off) && solve_by_newton(sweep, converged, reference))
-    return;
+  if (problem_->prepare(pools()) && solve_by_newton(sweep, converged, reference)) return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
   for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
 }
@@ -248,9 +246,8 @@ template <class Sweep>
 bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference) {
   const SolverPools rows = pools();
   double best = problem_->error(rows);
-  const bool is_hard =
-      problem_->is_small() && best > kSmallOfForces * static_cast<double>(reference);
-  const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfMany;
+  const bool is_hard = best > kSmallOfForces * static_cast<double>(reference);
+  const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfEasy;
   const int most_idle_rounds = is_hard ? most_rounds : kMostIdleRounds;
   best_->read(rows);
   const auto keep_if_better = [&](double error) {

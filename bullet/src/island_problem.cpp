@@ -89,9 +89,9 @@ void SolverState::write(const SolverPools& pools) const {
   }
 }
 
-bool IslandProblem::prepare(const SolverPools& pools, bool is_far_off) {
+bool IslandProblem::prepare(const SolverPools& pools) {
   number_bodies(pools);
-  if (scales_.empty() || (!is_far_off && !is_small())) return false;
+  if (scales_.empty()) return false;
   fill(pools);
   return newton_.prepare(scales_.size(), rows_) <= kMostCost;
 }
@@ -110,13 +110,10 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
   }
 }
 
-bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
-
 bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
   renew(pools, sliding);
-  const int most_steps = is_small() ? kMostNewtonSteps : kMostNewtonStepsOfMany;
-  if (!newton_.solve(rows_, stiffness, most_steps)) return false;
-  for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, most_steps);
+  if (!newton_.solve(rows_, stiffness, kMostNewtonSteps)) return false;
+  for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, kMostNewtonSteps);
   if (!std::ranges::all_of(rows_, [](const auto& row) { return std::isfinite(row.impulse); })) {
     return false;
   }

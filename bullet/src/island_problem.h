@@ -58,10 +58,8 @@ class IslandProblem {
     kCorrected,  ///< by the speed at which each slides now
   };
 
-  /// Whether Newton's method pays for the island, which may be far off its solution.
-  bool prepare(const SolverPools& pools, bool is_far_off);
-  /// Whether the island, which was prepared, has few bodies.
-  bool is_small() const;
+  /// Whether Newton's method pays for the island.
+  bool prepare(const SolverPools& pools);
 
   /// Changes all impulses to those of Newton's method.
   ///
