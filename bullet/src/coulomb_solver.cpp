@@ -246,9 +246,10 @@ template <class Sweep>
 bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btScalar reference) {
   const SolverPools rows = pools();
   double best = problem_->error(rows);
-  const bool is_hard = best > kSmallOfForces * static_cast<double>(reference);
-  const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfEasy;
-  const int most_idle_rounds = is_hard ? most_rounds : kMostIdleRounds;
+  const bool is_hard =
+      problem_->is_small() && best > kSmallOfForces * static_cast<double>(reference);
+  const int most_rounds = is_hard ? kMostRounds : kMostRoundsOfMany;
+  const int most_idle_rounds = is_hard ? kMostIdleRoundsOfHard : kMostIdleRounds;
   best_->read(rows);
   const auto keep_if_better = [&](double error) {
     if (!(error < best)) return;

@@ -96,6 +96,8 @@ bool IslandProblem::prepare(const SolverPools& pools) {
   return newton_.prepare(scales_.size(), rows_) <= kMostCost;
 }
 
+bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
+
 void IslandProblem::number_bodies(const SolverPools& pools) {
   numbers_.assign(static_cast<std::size_t>(pools.bodies->size()), VelocityRow::kFixed);
   scales_.clear();
@@ -112,8 +114,9 @@ void IslandProblem::number_bodies(const SolverPools& pools) {
 
 bool IslandProblem::solve(const SolverPools& pools, double stiffness, Sliding sliding) {
   renew(pools, sliding);
-  if (!newton_.solve(rows_, stiffness, kMostNewtonSteps)) return false;
-  for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, kMostNewtonSteps);
+  const int most_steps = is_small() ? kMostNewtonSteps : kMostNewtonStepsOfMany;
+  if (!newton_.solve(rows_, stiffness, most_steps)) return false;
+  for (int i = 1; i < kSolvesPerRound; ++i) newton_.solve(rows_, stiffness, most_steps);
   if (!std::ranges::all_of(rows_, [](const auto& row) { return std::isfinite(row.impulse); })) {
     return false;
   }

@@ -60,6 +60,8 @@ class IslandProblem {
 
   /// Whether Newton's method pays for the island.
   bool prepare(const SolverPools& pools);
+  /// Whether the island, which was prepared, has few bodies.
+  bool is_small() const;
 
   /// Changes all impulses to those of Newton's method.
   ///

@@ -19,15 +19,17 @@ inline constexpr btScalar kRoundingOfSpeed = btScalar(1e-6);
 /// Most rounds of Newton's method for an island and step. Smaller: chains open whose load is a
 /// thousand times a link. Larger: islands that do not converge cost more.
 inline constexpr int kMostRounds = 16;
-/// The same of islands whose error is at most `kSmallOfForces`. Larger: islands that do not converge
-/// cost more.
-inline constexpr int kMostRoundsOfEasy = 8;
+/// The same of islands of more than `kFewBodies`. Smaller: heavy loads that arrive at speed squeeze
+/// what they land on. Larger: heaps cost more.
+inline constexpr int kMostRoundsOfMany = 8;
 /// A round has brought an island nearer to its solution if it leaves at most this fraction of the
 /// least error before. Larger: heaps that tumble cost more.
 inline constexpr double kProgress = 0.7;
-/// Rounds end when this many in a row have not. Islands whose error is above `kSmallOfForces` use
-/// all rounds: the impulses of a chain creep for several rounds before the error drops.
+/// Rounds end when this many in a row have not. Larger: heaps cost more.
 inline constexpr int kMostIdleRounds = 2;
+/// The same of islands of up to `kFewBodies` whose error is above `kSmallOfForces`. Smaller: the
+/// impulses of a chain creep for several rounds before the error drops.
+inline constexpr int kMostIdleRoundsOfHard = 5;
 /// Rounds before sliding is corrected for. They take all contacts to stick where they can.
 /// Smaller: a grip that could hold goes on sliding.
 inline constexpr int kStickingRounds = 3;
@@ -36,6 +38,9 @@ inline constexpr int kSweepsAfterRound = 3;
 /// Newton's steps a solve at most; a thousand contacts that slide apart need up to 75. Smaller: a
 /// load that arrives squeezes out what it lands on, and stacks that fall apart are left to sweeps.
 inline constexpr int kMostNewtonSteps = 100;
+/// The same of islands of more than `kFewBodies`. If the first solve of such an island needs more,
+/// too many contacts open and close for the method to pay. Larger: heaps that tumble cost more.
+inline constexpr int kMostNewtonStepsOfMany = 8;
 /// Solves a round. Each takes the impulses of the one before as known, and errors shrink by the
 /// stiffness.
 inline constexpr int kSolvesPerRound = 2;
@@ -56,6 +61,9 @@ inline constexpr double kFlatSlope = 0.1;
 /// Islands whose matrix takes more multiplications than this to factorize keep to sweeps. Larger:
 /// heaps are slower. Smaller: towers of some tens of bodies rock.
 inline constexpr double kMostCost = 3e4;
+/// Islands of more bodies than this get fewer steps and rounds. Larger: heaps that tumble cost more.
+/// Smaller: towers that fall apart are left to sweeps.
+inline constexpr std::size_t kFewBodies = 12;
 /// An error is small if it is at most this fraction of the velocity that forces give a body.
 inline constexpr double kSmallOfForces = 0.1;
 /// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
