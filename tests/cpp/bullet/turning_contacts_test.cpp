@@ -92,9 +92,32 @@ TEST(TurningContacts, AreAsFastAsATroughTurns) {
         const double turn = std::hypot(kTrough - kBall, kStep * speed) - (kTrough - kBall);
         EXPECT_NEAR(rolling.turn(), turn, 0.03 * turn + 1e-8)
             << speed << " m/s, rolls " << rolls << ", ball first " << ball_first;
-        ASSERT_TRUE(rolling.turning.motion());
+        EXPECT_FALSE(rolling.turning.motions().empty());
       }
     }
+  }
+}
+
+TEST(TurningContacts, GoOnWithoutForcesAndWithThem) {
+  TestWorld world{{}, {3, -10, 0}};
+  btRigidBody& ball = world.add_model(small_ball(), 1, kLowest);
+  btRigidBody& low = world.add_model(trough_model(), 0);
+  ball.setLinearVelocity({1, 0, 0});
+  // As worlds do before they look for contacts.
+  ball.applyGravity();
+  TwoBodies bodies(ball, low);
+  const PairStep step = bodies.step(kStep, {.solver_turns_contacts = true});
+  Contact nearest = find_deepest(bodies.near(0.01));
+  const double side = bodies.pair.shell_is_a ? 1.0 : -1.0;
+  nearest.normal = static_cast<Vec3f>(Vec3{0, side, 0});
+  TurningContacts turning;
+  turning.find(step, std::span(&nearest, 1), std::span(&nearest.id, 1));
+  const auto motions = turning.motions();
+  ASSERT_EQ(motions.size(), 2U);
+  EXPECT_NEAR(side * motions[0].velocity.x, 1.0, 1e-9);
+  EXPECT_NEAR(side * motions[1].velocity.x, 1.0 + 3.0 * kStep, 1e-9);
+  for (const RelativeMotion& motion : motions) {
+    EXPECT_NEAR(side * motion.velocity.y, turning.speed_of(nearest.id), 1e-9);
   }
 }
 
@@ -106,7 +129,7 @@ TEST(TurningContacts, DoNotTurnOnAPlane) {
   const Rolling rolling(slab_model(), {{}, {0, 0, kBall}}, {1, 0, 0}, {0, 1 / kBall, 0}, true,
                         {0, 0, 1});
   EXPECT_EQ(rolling.turn(), 0.0);
-  EXPECT_FALSE(rolling.turning.motion());
+  EXPECT_TRUE(rolling.turning.motions().empty());
 }
 
 TEST(TurningContacts, LeaveAWallAheadToOtherContacts) {
