@@ -420,8 +420,7 @@ btScalar CoulombSolver::solve_friction(const btSolverConstraint& contact, bool h
                     bound);
 }
 
-/// A point's rows are the spinning one about the normal, then up to two of rolling. They count as
-/// far as points do that hold a body by such levers, in whose place they are.
+/// A point's rows are the spinning one about the normal, then up to two of rolling.
 btScalar CoulombSolver::solve_rolling_friction() {
   btConstraintArray& rows = m_tmpSolverContactRollingFrictionConstraintPool;
   btScalar residual = 0;
@@ -432,14 +431,11 @@ btScalar CoulombSolver::solve_rolling_friction() {
     const btScalar impulse =
         std::max(btScalar(m_tmpSolverContactConstraintPool[point].m_appliedImpulse), btScalar(0));
     const auto bound = [&](int row) { return rows[row].m_friction * impulse; };
-    const auto count = [&](int row, btScalar change) {
-      residual = std::max(residual, squared(rows[row].m_friction) * change);
-    };
-    count(i, solve_row(rows[i], bound(i)));
+    residual = std::max(residual, solve_row(rows[i], bound(i)));
     if (end - i == 3) {
-      count(i + 1, solve_disc(rows[i + 1], rows[i + 2], bound(i + 1)));
+      residual = std::max(residual, solve_disc(rows[i + 1], rows[i + 2], bound(i + 1)));
     } else if (end - i == 2) {
-      count(i + 1, solve_row(rows[i + 1], bound(i + 1)));
+      residual = std::max(residual, solve_row(rows[i + 1], bound(i + 1)));
     }
     i = end;
   }

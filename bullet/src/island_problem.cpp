@@ -144,10 +144,7 @@ void IslandProblem::fill(const SolverPools& pools) {
     fill_contact(pools, (*pools.contacts)[i], friction_rows);
   }
   first_rolling_ = rows_.size();
-  for (int i = 0; i < pools.rolling->size(); ++i) {
-    btSolverConstraint& source = (*pools.rolling)[i];
-    append(source).lever = static_cast<double>(source.m_friction);
-  }
+  for (int i = 0; i < pools.rolling->size(); ++i) append((*pools.rolling)[i]);
 }
 
 void IslandProblem::fill_contact(const SolverPools& pools, btSolverConstraint& contact,

@@ -160,10 +160,9 @@ double VelocityNewton::error(std::span<const VelocityRow> rows) {
   for (std::size_t i = 0; i < rows.size();) {
     const std::size_t end = i + row_count(rows[i]);
     const double unit_impulse = rows[i].unit_impulse;
-    const double lever = rows[i].lever;
     for (; i < end; ++i) {
       if (!(unit_impulse > 0.0)) continue;
-      const double missing = lever * std::abs(impulses_[i] - rows[i].impulse) / unit_impulse;
+      const double missing = std::abs(impulses_[i] - rows[i].impulse) / unit_impulse;
       // Not std::max(), which would lose NaN.
       if (!(missing <= largest)) largest = missing;
     }

@@ -24,7 +24,6 @@ struct VelocityRow {
   double unit_impulse = 0.0;  ///< changes the velocity along this row alone by 1
   double lower = 0.0;         ///< limits of the impulse; not of contacts and their friction
   double upper = 0.0;
-  double lever = 1.0;       ///< by which a velocity along the row counts as an error
   bool is_contact = false;  ///< a contact's normal; its friction is in the rows that follow
   int friction_rows = 0;    ///< how many, 0 to 2
   double friction = 0.0;    ///< their largest impulse per impulse of the normal
