@@ -258,10 +258,17 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
   };
   double stiffness = kFirstStiffness;
   int idle_rounds = 0;
+  int sticking_rounds = kStickingRounds;
+  const double pressed = sum_of_normal_impulses(rows);
   for (int round = 0; round < most_rounds && idle_rounds < most_idle_rounds; ++round) {
-    const auto sliding = round < kStickingRounds ? IslandProblem::Sliding::kIgnored
+    const auto sliding = round < sticking_rounds ? IslandProblem::Sliding::kIgnored
                                                  : IslandProblem::Sliding::kCorrected;
     if (!problem_->solve(rows, stiffness, sliding)) break;
+    if (round == 0 && sum_of_normal_impulses(rows) > kMostPreload * pressed) {
+      best_->write(rows);
+      sticking_rounds = 0;
+      if (!problem_->solve(rows, stiffness, IslandProblem::Sliding::kCorrected)) break;
+    }
     const double before = best;
     const double of_newton = problem_->error(rows);
     keep_if_better(of_newton);
@@ -340,6 +347,14 @@ btScalar CoulombSolver::velocity_of_aims() const {
     add(row, row.m_rhs);
   }
   return largest;
+}
+
+double CoulombSolver::sum_of_normal_impulses(const SolverPools& pools) {
+  double sum = 0.0;
+  for (int i = 0; i < pools.contacts->size(); ++i) {
+    sum += static_cast<double>(btScalar((*pools.contacts)[i].m_appliedImpulse));
+  }
+  return sum;
 }
 
 SolverPools CoulombSolver::pools() {

@@ -82,22 +82,6 @@ TEST(VelocityNewton, MeasuresTheVelocityThatImpulsesMiss) {
   EXPECT_FALSE(newton.error(rows) < kFall);
 }
 
-TEST(VelocityNewton, MeasuresRollingByItsLever) {
-  std::vector<VelocityRow> rows = make_column({1.0}, 0.0);
-  VelocityRow rolling;
-  rolling.body_a = 0;
-  rolling.along_a[3] = 1.0;
-  rolling.unit_impulse = 1.0;
-  rolling.lower = -1.0;
-  rolling.upper = 1.0;
-  rolling.target = 0.5;  // rad/s
-  rolling.lever = 0.01;
-  rows.push_back(rolling);
-  VelocityNewton newton;
-  newton.prepare(1, rows);
-  EXPECT_DOUBLE_EQ(newton.error(rows), 0.005);
-}
-
 TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
   VelocityRow normal;
   normal.is_contact = true;
