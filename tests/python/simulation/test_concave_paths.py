@@ -114,3 +114,80 @@ def test_elastic_balls_roll_in_a_trough_without_bouncing() -> None:
         world.step()
         assert math.hypot(body.position[0], body.position[2]) == pytest.approx(0.03, abs=2e-4)
     assert swing(body, world, 1)[0] > 0.97
+
+
+@cache
+def bowl(radius: float, thickness: float) -> vx.Model:
+    """Half of a hollow sphere, open towards z, of facets of a degree."""
+    angles = np.radians(np.arange(0.0, 91.0))
+    inner = radius * np.column_stack([np.sin(angles), -np.cos(angles)])
+    outer = inner * (1.0 + thickness / radius)
+    return revolve(np.concatenate([outer, inner[::-1]]), 360)
+
+
+@cache
+def ring_groove(radius: float, groove: float) -> vx.Model:
+    """A disk with a half-round groove that runs around z at a radius."""
+    angles = np.linspace(0.0, -np.pi, 49)
+    bottom = np.column_stack([radius + groove * np.cos(angles), groove * np.sin(angles)])
+    inside, outside, low = radius - 2 * groove, radius + 2 * groove, -2.5 * groove
+    section = [(inside, low), (outside, low), (outside, 0.0), *bottom, (inside, 0.0), (inside, low)]
+    return revolve(np.array(section), 256)
+
+
+def revolve(section: np.ndarray, sections: int) -> vx.Model:
+    mesh = trimesh.creation.revolve(section, sections=sections)
+    if mesh.volume < 0:
+        mesh.invert()
+    return vx.Model.from_mesh(mesh)
+
+
+def spin_left(world: vx.World, body: vx.Body, seconds: float) -> float:
+    """The fraction of the angular momentum about z that a body without friction keeps."""
+
+    def momentum() -> float:
+        return float(np.cross(body.position, body.linear_velocity)[2])
+
+    start = momentum()
+    world.step(round(seconds / world.time_step))
+    return momentum() / start
+
+
+# It was 0.69 and 0.16 of a sphere: the field of facets was nearer than the smooth surface by more
+# than the rest margin, and counted as another wall.
+@pytest.mark.parametrize("rate", [200, 60])
+@pytest.mark.parametrize("shape", ["model", "sphere"])
+def test_small_balls_circle_in_a_bowl(shape: str, rate: int) -> None:
+    radius, way = 0.01, 0.29
+    for tilt, heading in ((0.35, 0.05), (0.79, 1.3), (1.0, 3.6)):
+        world = vx.World(time_step=1 / rate, sleeping=False)
+        world.add(bowl(0.3, 0.02), mass=0, friction=0)
+        rolling = ball(radius) if shape == "model" else vx.Sphere(radius)
+        out = np.array([math.cos(heading), math.sin(heading)])
+        pose = (*(way * math.sin(tilt) * out), -way * math.cos(tilt))
+        body = world.add(rolling, mass=0.05, pose=pose, friction=0)
+        speed = math.sqrt(9.81 * way * math.sin(tilt) * math.tan(tilt))
+        body.linear_velocity = (-speed * out[1], speed * out[0], 0)
+        assert spin_left(world, body, 2.0) == pytest.approx(1.0, abs=0.02)
+
+
+# They kept 0.73 at 200 Hz. In a groove that is hardly wider than the marble, they kept 0.39.
+@pytest.mark.parametrize(("radius", "speed", "least"), [(0.008, 1.4, 0.97), (0.011, 0.5, 0.9)])
+@pytest.mark.parametrize("shape", ["model", "sphere"])
+def test_marbles_run_around_in_a_groove(
+    shape: str, radius: float, speed: float, least: float
+) -> None:
+    ring, groove = 0.1, 0.012
+    way = groove - radius
+    tilt = 0.5
+    for _ in range(100):
+        tilt = math.atan(speed**2 / 9.81 / (ring + way * math.sin(tilt)))
+    for heading in (0.05, 1.3, 3.5):
+        world = vx.World(time_step=1 / 200, sleeping=False)
+        world.add(ring_groove(ring, groove), mass=0, friction=0)
+        rolling = ball(radius) if shape == "model" else vx.Sphere(radius)
+        out = np.array([math.cos(heading), math.sin(heading)])
+        pose = (*((ring + way * math.sin(tilt)) * out), -way * math.cos(tilt))
+        body = world.add(rolling, mass=0.01, pose=pose, friction=0)
+        body.linear_velocity = (-speed * out[1], speed * out[0], 0)
+        assert least < spin_left(world, body, 1.0) < 1.01

@@ -276,3 +276,83 @@ def test_a_light_chain_under_a_heavy_body_gains_no_energy(rate):
     energies = []
     world.step(round(2 * rate), lambda world: energies.append(energy()))
     assert max(energies) < start + 1.0
+
+
+@pytest.mark.parametrize("count", [13, 20])
+def test_towers_of_rings_are_calm(count):
+    """Above twelve bodies, sweeps alone left them shaking by centimeters a second, at 50 ms a step."""
+    ring = vx.Model.from_mesh(
+        trimesh.creation.torus(0.04, 0.015, major_sections=64, minor_sections=32)
+    )
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    rings = [world.add(ring, mass=0.2, pose=(0, 0, 0.0151 + 0.03 * k)) for k in range(count)]
+    world.step(300)
+    assert max(np.linalg.norm(body.linear_velocity) for body in rings) < 2e-3
+    for k, body in enumerate(rings):
+        assert body.position[2] == pytest.approx(0.015 + 0.03 * k, abs=5e-5)
+
+
+def build_ground(kind):
+    world_shape = {
+        "plane": vx.Plane,
+        "box": lambda: vx.Box((1, 1, 0.05)),
+        "model": lambda: build_box(2, 2, 0.1),
+    }[kind]()
+    return world_shape, (0, 0, 0 if kind == "plane" else -0.05)
+
+
+@pytest.mark.parametrize("rate", [200.0, 60.0])
+@pytest.mark.parametrize("ground", ["plane", "box", "model"])
+def test_a_door_turns_just_above_the_ground(ground, rate):
+    """The ground pressed it with 1.5 times its weight, and it stood still."""
+    world = vx.World(1.0 / rate)
+    shape, pose = build_ground(ground)
+    floor = world.add(shape, motion="static", pose=pose)
+    door = world.add(build_box(0.8, 0.04, 2.0), mass=20.0, pose=(0.4, 0, 1.0 + 2e-5))
+    hinge = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, door, world_from_joint=np.eye(4))
+    hinge.set_target_velocity(1.0, max_force=60.0)
+    world.step(round(rate))
+    assert hinge.position == pytest.approx(0.96, abs=0.03)
+    assert world.contacts(door, floor)["impulse"].sum() * rate < 20.0
+
+
+@pytest.mark.parametrize("rate", [1000.0, 200.0, 60.0])
+@pytest.mark.parametrize(("plate", "table"), [("model", "model"), ("model", "box"), ("box", "box")])
+def test_a_slider_moves_a_plate_that_lies_flush(plate, table, rate):
+    """The table pressed a plate and its load with 100 times their weight, and they stood still."""
+    turned = vx.pose(axis_angle=((0, 0, 1), 0.63))
+    shapes = {"model": build_box(0.2, 0.15, 0.02), "box": vx.Box((0.1, 0.075, 0.01))}
+    world = vx.World(1.0 / rate)
+    shape, pose = build_ground(table)
+    world.add(shape, motion="static", pose=turned @ vx.pose(pose))
+    body = world.add(shapes[plate], mass=0.1, pose=turned @ vx.pose((0, 0, 0.01)))
+    world.add(build_box(0.15, 0.1, 0.03), mass=0.5, pose=turned @ vx.pose((0, 0, 0.035)))
+    joint = world.add_joint(vx.SliderJoint(axis=(1, 0, 0)), None, body)
+    joint.set_target_velocity(0.1, max_force=100.0)
+    world.step(round(rate))
+    assert joint.position == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [200.0, 60.0])
+def test_fingers_that_touch_the_table_close(rate):
+    """They stuck to the table that their tips were flush with."""
+    world = vx.World(1.0 / rate)
+    world.add(build_box(1.0, 1.0, 0.05), motion="static", pose=(0, 0, -0.025))
+    part = world.add(build_box(0.04, 0.03, 0.01), mass=0.05, pose=(0, 0, 0.005), friction=0.9)
+    palm = world.add(vx.Box((0.06, 0.02, 0.01)), motion="kinematic", pose=(0, 0, 0.1))
+    fingers = []
+    for side in (-1, 1):
+        finger = world.add(
+            build_box(0.01, 0.02, 0.06), mass=0.1, pose=(0.04 * side, 0, 0.03), friction=0.9
+        )
+        slider = vx.SliderJoint(axis=(-side, 0, 0), limits=(0, 0.04), damping=10.0)
+        fingers.append(world.add_joint(slider, palm, finger))
+        fingers[-1].set_target_position(0.04, max_force=5.0, max_speed=0.1)
+    world.step(round(0.8 * rate))
+    for finger in fingers:
+        assert finger.position == pytest.approx(0.015, abs=5e-5)
+    for step in range(round(rate)):
+        palm.position = (0, 0, 0.1 + 0.1 * (step + 1) / rate)
+        world.step()
+    assert part.position[2] == pytest.approx(0.105, abs=2e-4)
