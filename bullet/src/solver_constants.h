@@ -35,8 +35,8 @@ inline constexpr int kMostIdleRoundsOfHard = 5;
 inline constexpr int kStickingRounds = 3;
 /// None of them if contacts are pressed by more than this many times what sweeps had pressed them
 /// by: where a hinge or a slider holds a body flush with another one, both may press as hard as it
-/// takes to stick. Smaller: a grip that is about to hold slides at 30 Hz. Larger: doors stick.
-inline constexpr double kMostPreload = 2.0;
+/// takes to stick. Smaller: grips that are about to hold slide. Larger: doors stick.
+inline constexpr double kMostPreload = 2.5;
 /// Sweeps after each round. They leave friction that is exactly Coulomb's.
 inline constexpr int kSweepsAfterRound = 3;
 /// Newton's steps a solve at most; a thousand contacts that slide apart need up to 75. Smaller: a
