@@ -116,6 +116,12 @@ load faster. If an `AccuracyWarning` says that these models may miss contacts wi
 pass `self_collision=True`. Links without a `<collision>` touch nothing. A `RobotWarning` names those that have a `<visual>`, and
 the links and files of faulty meshes.
 
+Some files have a placeholder for the inertia, such as 1 kg m2 for a domino of 25 g, with which a body hardly turns. pybullet does
+not show this, because it computes inertias from the shapes unless it gets `URDF_USE_INERTIA_FROM_FILE`. A `RobotWarning` names
+each link whose radius of gyration is more than 5 times the distance from its center of mass to the farthest point of its
+collision geometry. No matter inside of the geometry exceeds 1 times. Pass `inertia="shape"` to take the inertias of the shapes,
+with the masses and centers of mass of the file.
+
 ## Robots that were tried
 
 This section lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for

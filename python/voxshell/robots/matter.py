@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from voxshell.robots.description import Collision, RobotDescription
+    from voxshell.robots.description import Collision, Inertial, RobotDescription
     from voxshell.robots.lumps import Lump
 
 DENSITY = 1000.0
@@ -48,6 +48,8 @@ class Matter:
         without_shape: Links that got :data:`GHOST_MASS`.
         without_inertia: Links whose inertia was computed from their mass and collision geometry.
         with_bounded_inertia: Links whose inertia is that of no body, by more than rounding.
+        with_large_inertia: Links whose inertia is far beyond that of a body of their size, and how many
+            times it exceeds the largest of those.
     """
 
     of_lumps: dict[Lump, MassProperties] = field(default_factory=dict)
@@ -55,14 +57,22 @@ class Matter:
     without_shape: list[str] = field(default_factory=list)
     without_inertia: list[str] = field(default_factory=list)
     with_bounded_inertia: list[str] = field(default_factory=list)
+    with_large_inertia: dict[str, float] = field(default_factory=dict)
 
 
-def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
+def complete_matter(
+    robot: RobotDescription, lumps: Iterable[Lump], *, inertia: Literal["file", "shape"] = "file"
+) -> Matter:
     """Add up the mass properties of each lump's links, and complete them if the file lacks them.
 
     A link with a mass but without a valid inertia gets that of the convex hulls of its collision
     geometry with its mass. An inertia that no body has is reduced. If no link of a lump has a mass, each link gets that of its hulls at
     :data:`DENSITY`.
+
+    Args:
+        robot: The robot.
+        lumps: Those that move.
+        inertia: "shape" gives the inertia of their hulls to all links with collision geometry.
 
     Raises:
         RobotError: A mesh cannot be read.
@@ -75,20 +85,9 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
         for name in weighed:
             inertial = robot.links[name].inertial
             assert inertial is not None
-            inertia = inertial.inertia
-            if inertia is None:
-                solid = _weigh(robot, name)
-                inertia = np.zeros((3, 3))
-                if solid is not None:
-                    inertia = solid.inertia * (inertial.mass / solid.mass)
-                    matter.without_inertia.append(name)
-            else:
-                given, inertia = inertia, bound_moments(inertia)
-                if np.trace(inertia) < (1.0 - _ROUNDING) * np.trace(given):
-                    matter.with_bounded_inertia.append(name)
-            parts.append(
-                (MassProperties(inertial.mass, inertial.center, inertia), lump.links[name])
-            )
+            tensor = _complete_inertia(robot, name, inertial, matter, from_shape=inertia == "shape")
+            own = MassProperties(inertial.mass, inertial.center, tensor)
+            parts.append((own, lump.links[name]))
         if not weighed:
             for name, lump_from_link in lump.links.items():
                 solid = _weigh(robot, name)
@@ -107,6 +106,25 @@ def complete_matter(robot: RobotDescription, lumps: Iterable[Lump]) -> Matter:
                 matter.without_inertia.append(weighed[0])
         matter.of_lumps[lump] = whole
     return matter
+
+
+def _complete_inertia(
+    robot: RobotDescription, link: str, inertial: Inertial, matter: Matter, *, from_shape: bool
+) -> NDArray[np.float64]:
+    """Return the inertia of a link with a mass, kg m2 about its center; 0 if nothing tells it."""
+    given = inertial.inertia
+    if given is None or from_shape:
+        solid = _weigh(robot, link)
+        if solid is not None:
+            if given is None:
+                matter.without_inertia.append(link)
+            return solid.inertia * (inertial.mass / solid.mass)
+        if given is None:
+            return np.zeros((3, 3))
+    tensor = bound_moments(given)
+    if np.trace(tensor) < (1.0 - _ROUNDING) * np.trace(given):
+        matter.with_bounded_inertia.append(link)
+    return tensor
 
 
 def _moment_of_ball(mass: float) -> float:

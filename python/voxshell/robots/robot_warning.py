@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from voxshell.base.arguments import show_value
 from voxshell.base.user_warnings import shorten_path, warn_user
 from voxshell.model.meshes import MeshWarning
 from voxshell.robots.description import MIMIC_EFFORT, shorten_names
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from voxshell.robots.matter import Matter
 
 _MOST_FLAWS = 30
-"""Number of faulty meshes that the warning lists."""
+"""Number of faulty meshes, or of links with a doubtful inertia, that the warning lists."""
 
 
 class RobotWarning(UserWarning):
@@ -38,6 +39,16 @@ def warn_of_robot(robot: RobotDescription, matter: Matter) -> None:
     if lacks:
         said.append(
             f"lacks what a simulation needs: {lacks}; complete the file to avoid this warning"
+        )
+    if matter.with_large_inertia:
+        shown = [
+            f"{show_value(name)}: {float(f'{times:.2g}'):,.0f} times"
+            for name, times in matter.with_large_inertia.items()
+        ]
+        said.append(
+            "has inertias far beyond the largest that a body of the size of the collision geometry can have "
+            f"({_cut(shown)}); pybullet ignores a file's inertias by default: pass "
+            "inertia='shape' to take those of the shapes, too, or correct the file"
         )
     if robot.left_out:
         said.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
@@ -93,5 +104,10 @@ def _find_lacks(robot: RobotDescription, matter: Matter) -> Iterator[tuple[str, 
 def _list_flaws(flaws: Mapping[str, Sequence[str]]) -> str:
     """Return links with the names of their meshes and the faults: "'a', 'b' (foot.stl: 3 open edges)"."""
     shown = [f"{shorten_names(links)} ({what})" for what, links in flaws.items()]
+    return _cut(shown)
+
+
+def _cut(shown: Sequence[str]) -> str:
+    """Return the first of many phrases, and the number of the others."""
     more = len(shown) - _MOST_FLAWS
     return ", ".join(shown[:_MOST_FLAWS]) + (f", and {more} more" if more > 0 else "")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING, Literal
 
-from voxshell.base.arguments import as_flag
+from voxshell.base.arguments import as_choice, as_flag
 from voxshell.base.calls import explain_calls
 from voxshell.robots.assembly import Assembly, check_place
+from voxshell.robots.inertia_doubts import find_large_inertias
 from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
 from voxshell.robots.robot_warning import warn_of_robot
@@ -39,6 +40,7 @@ def load_urdf(
     friction: float = 0.5,
     self_collision: bool = False,
     positions: Mapping[str, float] | None = None,
+    inertia: Literal["file", "shape"] = "file",
 ) -> Robot:
     """Add the robot of a URDF file to a world, with its joints at 0 or at positions that you give.
 
@@ -69,6 +71,9 @@ def load_urdf(
         positions: Positions at which joints begin, radians or meters, by name. The others begin at 0,
             except that joints which mimic one of these begin where it puts them, and that joints whose
             limits exclude 0 begin at the nearest limit, with a :class:`RobotWarning`.
+        inertia: "file" for the inertias of the file, or "shape" for those of the convex hulls of the
+            collision geometry with the masses and centers of the file, as pybullet does by default. Links
+            without collision geometry keep theirs.
 
     Returns:
         The robot.
@@ -90,7 +95,8 @@ def load_urdf(
     Warns:
         RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, collisions of
             links that are seen, or the effort of a joint that mimics another. The message says what was
-            used instead. Or meshes have faults, models miss their tolerance, or joints cannot begin at 0;
+            used instead. Or an inertia is far beyond that of any body of the size of the collision
+            geometry. Or meshes have faults, models miss their tolerance, or joints cannot begin at 0;
             the message names links and meshes, or joints.
         MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 
@@ -130,6 +136,7 @@ def load_urdf(
         0.5
     """
     world_from_root = check_place(world, pose, friction)
+    as_choice(inertia, "inertia", ("file", "shape"))
     is_fixed = as_flag(fixed_base, "fixed_base")
     collides_itself = as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
@@ -139,7 +146,10 @@ def load_urdf(
     lumps = find_lumps(robot)
     (root,) = robot.roots
     unique = list(dict.fromkeys(lumps.values()))
-    matter = complete_matter(robot, (it for it in unique if not (is_fixed and it is lumps[root])))
+    moving = [it for it in unique if not (is_fixed and it is lumps[root])]
+    matter = complete_matter(robot, moving, inertia=inertia)
+    if inertia == "file":
+        matter.with_large_inertia = find_large_inertias(robot, moving)
     shaper = Shaper(robot, settings)
     shapes = {lump: shaper.shape_of(lump) for lump in unique}
     robot.intangible.extend(
