@@ -116,6 +116,10 @@ load faster. If an `AccuracyWarning` says that these models may miss contacts wi
 pass `self_collision=True`. Links without a `<collision>` touch nothing. A `RobotWarning` names those that have a `<visual>`, and
 the links and files of faulty meshes.
 
+Bodies have friction 0.5, unless you pass `friction`, or links have the element `<contact>` that pybullet adds to URDF. Its
+`lateral_friction`, `restitution`, `rolling_friction` and `spinning_friction` are read; a body of several links gets the largest
+of each. A `RobotWarning` names the other elements in it, such as `stiffness` and `damping`, which are not simulated.
+
 Some files have a placeholder for the inertia, such as 1 kg m2 for a domino of 25 g, with which a body hardly turns. pybullet does
 not show this, because it computes inertias from the shapes unless it gets `URDF_USE_INERTIA_FROM_FILE`. A `RobotWarning` names
 each link whose radius of gyration is more than 5 times the distance from its center of mass to the farthest point of its

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from voxshell.robots.description import MIMIC_EFFORT
 from voxshell.robots.kinematics import find_child, move_along
 from voxshell.robots.robot import Link, Robot
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
+from voxshell.simulation.material import Material
 from voxshell.simulation.world import World
 
 if TYPE_CHECKING:
@@ -56,7 +58,7 @@ class Assembly:
         matter: Mass properties of the moving lumps.
         shapes: Shapes of all lumps.
         world_from_file: (4, 4).
-        friction: Friction of all bodies; None for that of the file.
+        friction: Friction of all bodies; None for that of the file, or 0.5 if it states none.
         apart: Lumps with shapes that do not collide with each other.
         joints_collide: True if the links of a joint collide, unless they are in ``apart``.
     """
@@ -115,7 +117,7 @@ class Assembly:
                 mass=0.0 if own is None else own.mass,
                 inertia="solid" if own is None else own,
                 pose=self._places[lump.first],
-                friction=self._friction_of(lump),
+                material=self._find_material(lump),
                 name=f"{robot.name}/{lump.first}",
                 group=1 if shape is not None else 0,
             )
@@ -139,12 +141,16 @@ class Assembly:
         self._let_follow(joints)
         return Robot(world, robot.name, links, joints, ball_joints, robot.joints)
 
-    def _friction_of(self, lump: Lump) -> float | None:
-        """Return the largest friction of the links, or None if the file has none."""
+    def _find_material(self, lump: Lump) -> Material:
+        """Return a lump's material: of each property, the largest that the file states for its links."""
+        links = [self._robot.links[name] for name in lump.links]
+        stated: dict[str, list[float]] = {
+            one.name: [it for link in links if (it := getattr(link, one.name)) is not None]
+            for one in fields(Material)
+        }
         if self._friction is not None:
-            return self._friction
-        given = [self._robot.links[name].friction for name in lump.links]
-        return max((it for it in given if it is not None), default=None)
+            stated["friction"] = [self._friction]
+        return Material(**{name: max(values) for name, values in stated.items() if values})
 
     def _add_joint(
         self, world: World, joint: JointDescription, links: dict[str, Link]

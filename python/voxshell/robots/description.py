@@ -113,7 +113,10 @@ class LinkDescription:
         collisions: Its surface.
         inertial: None if the file states no mass, or 0.
         color: Color of its first visual.
-        friction: Friction of its surface; None if the format has no friction.
+        friction: Friction of its surface; None if the file states none.
+        restitution: That of its surface; None if the file states none.
+        rolling_friction: As in :class:`Material`, meters; None if the file states none.
+        spinning_friction: As in :class:`Material`, meters; None if the file states none.
         is_seen: Whether it has a visual in a format in which each visual needs a collision beside it.
     """
 
@@ -123,6 +126,9 @@ class LinkDescription:
     inertial: Inertial | None
     color: Color | None
     friction: float | None = None
+    restitution: float | None = None
+    rolling_friction: float | None = None
+    spinning_friction: float | None = None
     is_seen: bool = False
 
     @property

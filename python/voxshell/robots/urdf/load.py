@@ -37,7 +37,7 @@ def load_urdf(
     voxel_size: float | None = None,
     resolution: int | None = None,
     mesh_as: Literal["model", "hull"] = "model",
-    friction: float = 0.5,
+    friction: float | None = None,
     self_collision: bool = False,
     positions: Mapping[str, float] | None = None,
     inertia: Literal["file", "shape"] = "file",
@@ -66,7 +66,9 @@ def load_urdf(
         resolution: Alternative to both: voxels along the longest side of each uniform model. The default
             is 100.
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull.
-        friction: Coulomb's coefficient of all links.
+        friction: Coulomb's coefficient of all links, instead of the file's. By default a body has the
+            largest ``lateral_friction``, ``restitution``, ``rolling_friction`` and ``spinning_friction``
+            that pybullet's ``<contact>`` states for its links, and friction 0.5 without one.
         self_collision: Let links that no joint connects collide with each other.
         positions: Positions at which joints begin, radians or meters, by name. The others begin at 0,
             except that joints which mimic one of these begin where it puts them, and that joints whose
@@ -135,7 +137,7 @@ def load_urdf(
         >>> round(robot.positions["pivot"], 2)
         0.5
     """
-    world_from_root = check_place(world, pose, friction)
+    world_from_root = check_place(world, pose, 0.5 if friction is None else friction)
     as_choice(inertia, "inertia", ("file", "shape"))
     is_fixed = as_flag(fixed_base, "fixed_base")
     collides_itself = as_flag(self_collision, "self_collision")

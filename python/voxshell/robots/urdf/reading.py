@@ -25,6 +25,7 @@ from voxshell.robots.description import (
     shorten_names,
 )
 from voxshell.robots.solids import is_sound
+from voxshell.robots.urdf.contacts import read_material
 from voxshell.robots.urdf.mesh_paths import find_mesh
 from voxshell.robots.xml_elements import Dialect, read_elements
 
@@ -80,14 +81,16 @@ def _describe(path: str, element: Element) -> RobotDescription:
         if (color := _read_color(material)) is not None
     }
     links: dict[str, LinkDescription] = {}
+    unread: dict[str, list[str]] = {}
     for each in found:
-        link = _describe_link(each, colors, robot.left_out)
+        link = _describe_link(each, colors, robot.left_out, unread)
         if link.name in links:
             each.refuse(
                 f"is the second link of that name; the first is in line "
                 f"{links[link.name].where.rpartition(':')[2]}; rename one"
             )
         links[link.name] = link
+    robot.left_out.extend(f"{what} ({shorten_names(it)})" for what, it in unread.items())
     joints: dict[str, JointDescription] = {}
     for each in element.all("joint"):
         joint = _describe_joint(robot, each, links)
@@ -169,7 +172,7 @@ def _check_mimics(robot: RobotDescription, joints: dict[str, JointDescription]) 
 
 
 def _describe_link(
-    element: Element, colors: dict[str, Color], left_out: list[str]
+    element: Element, colors: dict[str, Color], left_out: list[str], unread: dict[str, list[str]]
 ) -> LinkDescription:
     name = element.text("name")
     collisions = tuple(
@@ -184,6 +187,7 @@ def _describe_link(
         _describe_inertial(element.first("inertial")),
         _find_color(element, colors),
         is_seen=element.first("visual") is not None,
+        **read_material(element, unread),
     )
 
 
