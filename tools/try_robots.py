@@ -120,6 +120,10 @@ Bodies have friction 0.5, unless you pass `friction`, or links have the element 
 `lateral_friction`, `restitution`, `rolling_friction` and `spinning_friction` are read; a body of several links gets the largest
 of each. A `RobotWarning` names the other elements in it, such as `stiffness` and `damping`, which are not simulated.
 
+A `RobotWarning` also names elements of the robot, its links and its joints that URDF does not have, such as `<colision>`, with
+the name that was probably meant. Common extensions, such as `<gazebo>`, `<transmission>` and `<drake:joint>`, are not read and not
+named. A file with elements of xacro is refused: expand it first with `xacro robot.urdf.xacro > robot.urdf`.
+
 Some files have a placeholder for the inertia, such as 1 kg m2 for a domino of 25 g, with which a body hardly turns. pybullet does
 not show this, because it computes inertias from the shapes unless it gets `URDF_USE_INERTIA_FROM_FILE`. A `RobotWarning` names
 each link whose radius of gyration is more than 5 times the distance from its center of mass to the farthest point of its

@@ -10,7 +10,7 @@ import inspect
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable
 
 Class = TypeVar("Class", bound=type[Any])
 
@@ -112,6 +112,10 @@ _SYNONYMS = {
 """Arguments of other libraries, each with those of ours that it may stand for, best first."""
 
 
+_MOST_LETTERS = 60
+"""Letters of a wrong name that are compared."""
+
+
 class Absent:
     """A name that a class does not have: its use raises an AttributeError that says what to use."""
 
@@ -209,3 +213,18 @@ def advise_on_unnamed(call: str, values: tuple[Any, ...]) -> str:
     if advice is None and len(values) == 3 and all(isinstance(v, (int, float)) for v in values):
         advice = f"pass the three numbers as one argument: {call.split('.')[-1]}({values})"
     return advice or ""
+
+
+def find_closest(name: str, known: Iterable[str]) -> str | None:
+    """Return the name that was probably meant, whether upper or lower case, or None.
+
+    Example:
+        >>> find_closest("colision", ["visual", "collision"])
+        'collision'
+        >>> find_closest("plugin", ["visual", "collision"]) is None
+        True
+    """
+    import difflib
+
+    found = difflib.get_close_matches(name[:_MOST_LETTERS].lower(), sorted(known), 1)
+    return found[0] if found else None

@@ -188,6 +188,7 @@ class RobotDescription:
             the name of the mesh and the fault: "foot.stl: 3 open edges".
         flat: Links with a collision mesh in a plane, and the thickness that it was given, meters.
         left_out: Contents of the file that are not simulated.
+        unknown: Places of elements that the format does not have, by what is there.
     """
 
     path: str
@@ -202,6 +203,7 @@ class RobotDescription:
     flaws: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     flat: dict[str, float] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
+    unknown: dict[str, list[str]] = field(default_factory=dict)
 
     def note_flaws(self, link: str, mesh: str, flaws: Iterable[Finding]) -> None:
         """Note what is wrong with the mesh of a link.

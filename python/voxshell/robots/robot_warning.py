@@ -40,6 +40,11 @@ def warn_of_robot(robot: RobotDescription, matter: Matter) -> None:
         said.append(
             f"lacks what a simulation needs: {lacks}; complete the file to avoid this warning"
         )
+    if robot.unknown:
+        shown = [f"{what} ({_cut(places)})" for what, places in robot.unknown.items()]
+        said.append(
+            f"has elements that are unknown and not read: {_cut(shown)}; correct or remove them"
+        )
     if matter.with_large_inertia:
         shown = [
             f"{show_value(name)}: {float(f'{times:.2g}'):,.0f} times"

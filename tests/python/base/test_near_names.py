@@ -12,7 +12,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from voxshell.base import near_names
-from voxshell.base.near_names import Absent
+from voxshell.base.near_names import Absent, find_closest
 
 
 @pytest.fixture(scope="module")
@@ -106,3 +106,9 @@ def test_the_tables_name_no_public_attribute():
     for owner, table in near_names._ABSENT.items():
         for name in table:
             assert isinstance(vars(getattr(vx, owner))[name], Absent)
+
+
+def test_a_name_that_is_far_from_all_has_no_neighbor():
+    assert find_closest("siz", ("size", "pos")) == "size"
+    assert find_closest("SIZE", ("size", "pos")) == "size"
+    assert find_closest("x" * 100_000, ("size", "pos")) is None

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from voxshell.base.near_names import find_closest
 
+if TYPE_CHECKING:
     from voxshell.robots.xml_elements import Element
 
 _LONGEST = 60
-"""Letters of a wrong name that are compared and shown."""
+"""Letters of a wrong name that are shown."""
 
 _REPLICATE = {"count", "offset", "sep"}
 """Attributes of ``<replicate>`` beside those of a body. MuJoCo replaces the element before it looks at names."""
@@ -85,9 +84,3 @@ def _check(element: Element, names: Names) -> None:
                 + (f"did you mean <{known}>?" if known else "correct or remove it")
             )
         _check(child, inner)
-
-
-def find_closest(name: str, names: Iterable[str]) -> str | None:
-    """Return the name that was probably meant, or None."""
-    found = get_close_matches(name[:_LONGEST].lower(), sorted(names), 1)
-    return found[0] if found else None

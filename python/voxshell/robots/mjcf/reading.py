@@ -6,13 +6,14 @@ import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from voxshell.base.near_names import find_closest
 from voxshell.errors import RobotError
 from voxshell.robots.description import Inertial, RobotDescription
 from voxshell.robots.mjcf.bodies import BodyReader
 from voxshell.robots.mjcf.filters import Filters
 from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.model_file import read_model
-from voxshell.robots.mjcf.names import check_names, find_closest
+from voxshell.robots.mjcf.names import check_names
 from voxshell.robots.mjcf.parts import open_part
 
 if TYPE_CHECKING:

@@ -98,7 +98,7 @@ def load_urdf(
         RobotWarning: The file lacks what a simulation needs: masses, inertias, limits, collisions of
             links that are seen, or the effort of a joint that mimics another. The message says what was
             used instead. Or an inertia is far beyond that of any body of the size of the collision
-            geometry. Or meshes have faults, models miss their tolerance, or joints cannot begin at 0;
+            geometry. Or the file has elements that are not simulated, or that URDF does not have. Or meshes have faults, models miss their tolerance, or joints cannot begin at 0;
             the message names links and meshes, or joints.
         MeshWarning: A mesh without a scale is longer than 10 m, and its file states no unit.
 

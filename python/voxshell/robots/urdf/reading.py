@@ -27,6 +27,7 @@ from voxshell.robots.description import (
 from voxshell.robots.solids import is_sound
 from voxshell.robots.urdf.contacts import read_material
 from voxshell.robots.urdf.mesh_paths import find_mesh
+from voxshell.robots.urdf.names import find_unknown, refuse_macros
 from voxshell.robots.xml_elements import Dialect, read_elements
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
     found = list(element.all("link"))
     if not found:
         _refuse_without_links(robot, element)
+    refuse_macros(element)
     if len(found) > MOST_LINKS:
         robot.refuse(f"it has {len(found)} links; at most {MOST_LINKS} are read")
     colors = {
@@ -145,6 +147,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
         ordered,
         without_limits=robot.without_limits,
         left_out=robot.left_out,
+        unknown=find_unknown(element),
     )
 
 
