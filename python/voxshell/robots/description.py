@@ -147,6 +147,7 @@ class JointDescription:
         position: Position of the joint with the links as in the file.
         start: Initial position of the joint in a world.
         mimic: Name of the leader, multiplier, offset.
+        no_effort: Why the effort is None, if it is: what "the file ... for joint 'elbow'".
     """
 
     name: str
@@ -168,6 +169,7 @@ class JointDescription:
     stiffness: float = 0.0
     spring_position: float = 0.0
     armature: float = 0.0
+    no_effort: str = "states no effort"
 
 
 @dataclass(frozen=True, eq=False)

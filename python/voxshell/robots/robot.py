@@ -333,9 +333,12 @@ class Robot:
             )
 
     def _force(self, name: str, given: float | None) -> float:
-        force = self._described[name].effort if given is None else given
+        described = self._described[name]
+        force = described.effort if given is None else given
         if force is None:
-            raise SettingsError(f"the file states no effort for joint {name!r}; pass max_force")
+            raise SettingsError(
+                f"the file {described.no_effort} for joint {name!r}; pass max_force"
+            )
         return force
 
     def _speed(self, name: str, given: float | None) -> float:

@@ -14,6 +14,7 @@ from voxshell.robots.description import (
     LinkDescription,
     RobotDescription,
 )
+from voxshell.robots.mjcf.actuators import Actuators
 from voxshell.robots.mjcf.defaults import MAIN
 from voxshell.robots.mjcf.geoms import Geom, read_geom
 from voxshell.robots.mjcf.inertias import BodyMatter, as_inertial
@@ -118,6 +119,7 @@ class BodyReader:
         self._robot = robot
         self._filters = filters
         self._left_out = left_out
+        self._actuators = Actuators()
         self.carriers: dict[str, str] = {}
         self._joint_names: set[str] = set()
         self._count = 0
@@ -129,10 +131,12 @@ class BodyReader:
         self._add_link(world, WORLD, None)
         robot.roots[WORLD] = np.eye(4)
         self._read_below(world)
+        robot.joints[:] = map(self._actuators.limit, robot.joints)
 
     def _note_part(self, part: Part) -> None:
         self._filters.read_pairs(part)
         self._left_out.note_sections(part.file.root)
+        self._actuators.read(part)
 
     def _read_below(self, body: _Body) -> None:
         self._level += 1

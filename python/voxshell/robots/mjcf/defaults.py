@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
 MAIN = "main"
 
+_ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "orientation", "pid")
+_ACTUATORS += ("damper", "cylinder", "muscle", "adhesion", "dcmotor")
+"""Kinds of actuators, which share their defaults: what a class has for one, it has for all."""
+
 
 class Defaults:
     """The default classes of a model.
@@ -36,7 +40,8 @@ class Defaults:
             if child.tag == "default":
                 nested.append(child)
             else:
-                own[child.tag] = {**own.get(child.tag, {}), **child.attributes}
+                kind = _kind_of(child)
+                own[kind] = {**own.get(kind, {}), **child.attributes}
         for child in nested:
             self._read(child, child.text("class"), own)
 
@@ -50,7 +55,7 @@ class Defaults:
         """
         name = element.attributes.get("class", child_class)
         self.check(element, name)
-        given = self._classes[name].get(element.tag, {})
+        given = self._classes[name].get(_kind_of(element), {})
         if not element.attributes.keys().isdisjoint(ROTATIONS):
             given = {key: value for key, value in given.items() if key not in ROTATIONS}
         return replace(element, attributes={**given, **element.attributes})
@@ -65,3 +70,7 @@ class Defaults:
             element.refuse(
                 f"has the default class {name[:60]!r}, but there is no such class; correct the name"
             )
+
+
+def _kind_of(element: Element) -> str:
+    return "actuator" if element.tag in _ACTUATORS else element.tag

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.robots.description import JointDescription, JointType
+from voxshell.robots.mjcf.actuators import read_range
 from voxshell.robots.mjcf.compiler import normalize
 
 if TYPE_CHECKING:
@@ -91,20 +92,16 @@ def read_joint(
     axis = normalize(element, "axis", element.numbers("axis", (3,)) or [0.0, 0.0, 1.0])
     x, y, z = (frame[:3, :3] @ axis).tolist()
     limits = None if kind == "floating" else _read_limits(element, compiler)
-    damping, friction = _read_first(element, "damping"), element.number("frictionloss") or 0.0
-    if min(damping, friction) < 0.0:
-        element.refuse("has a damping or frictionloss below 0")
-    armature = _read_first(element, "armature")
-    if armature < 0.0:
-        element.refuse("has an armature below 0")
-    _note_left_out(element, kind, place.name, limits, (damping, friction, armature), left_out)
+    losses = _read_losses(element, place.name, left_out)
+    damping, friction, armature = losses
+    _note_left_out(element, kind, place.name, limits, losses, left_out)
     has_axis = kind in ("revolute", "prismatic")
     # In radians even where the file has degrees: newton meters per radian.
     stiffness = _read_first(element, "stiffness") if has_axis else 0.0
     if limits is not None and has_axis:
         limits = limits[0] * unit, limits[1] * unit
     position = (element.number("ref") or 0.0) * unit if has_axis else 0.0
-    force = element.numbers("actuatorfrcrange", (2,)) or [0.0]
+    force = read_range(element, "actuatorfrcrange", "actuatorfrclimited", compiler) or (0.0,)
     return JointDescription(
         place.name,
         element.where,
@@ -126,6 +123,20 @@ def read_joint(
         spring_position=(element.number("springref") or 0.0) * unit,
         armature=armature if has_axis else 0.0,
     )
+
+
+def _read_losses(element: Element, name: str, left_out: LeftOut) -> tuple[float, float, float]:
+    """Return damping, frictionloss and armature; 0 instead of one below 0, which would drive the joint."""
+    losses = {
+        "damping": _read_first(element, "damping"),
+        "frictionloss": element.number("frictionloss") or 0.0,
+        "armature": _read_first(element, "armature"),
+    }
+    for loss, value in losses.items():
+        if value < 0.0:
+            left_out.note(f"joint {loss} below 0: used 0, correct its sign", f"{name}: {value:g}")
+    damping, frictionloss, armature = (max(value, 0.0) for value in losses.values())
+    return damping, frictionloss, armature
 
 
 def _read_first(element: Element, attribute: str) -> float:

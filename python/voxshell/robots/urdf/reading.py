@@ -345,6 +345,7 @@ def _describe_joint(
         losses[0],
         losses[1],
         _read_mimic(mimic) if mimic is not None and kind in _WITH_AXIS else None,
+        no_effort=_explain_effort(limit),
     )
 
 
@@ -388,6 +389,12 @@ def _read_bound(limit: Element | None, name: str) -> float | None:
     """Return a bound, or None if there is none."""
     value = None if limit is None else limit.number(name, finite=False)
     return value if value is not None and 0.0 < value < math.inf else None
+
+
+def _explain_effort(limit: Element | None) -> str:
+    """Return what the file does instead of stating an effort."""
+    effort = None if limit is None else limit.attributes.get("effort")
+    return "states no effort" if effort is None else f'states effort="{effort[:60]}"'
 
 
 def _read_pose(origin: Element | None) -> NDArray[np.float64]:

@@ -102,8 +102,6 @@ def test_the_strength_of_a_joint_is_its_actuator_force(load):
     [
         "type='screw'",
         "axis='0 0 0'",
-        "damping='-1'",
-        "armature='-1'",
         "limited='maybe'",
         "range='0'",
         "ref='x'",
@@ -112,3 +110,15 @@ def test_the_strength_of_a_joint_is_its_actuator_force(load):
 def test_wrong_joints_are_refused(load, text):
     with pytest.raises(vx.RobotError, match=r"model\.xml:1: joint 'a' has "):
         load(f"<joint name='a' {text}/>")
+
+
+@pytest.mark.parametrize("loss", ["damping", "frictionloss", "armature"])
+@pytest.mark.parametrize("kind", ["hinge", "slide"])
+def test_a_loss_below_0_is_0_with_a_warning_as_mujoco_loads_it(write, loss, kind):
+    joint = f"<joint name='a' type='{kind}' {loss}='-0.25'/>"
+    path = write(f"<worldbody><body>{joint}{BALL}</body></worldbody>")
+    text = rf"joint {loss} below 0: used 0, correct its sign \('a: -0.25'\)"
+    with pytest.warns(vx.RobotWarning, match=text):
+        robot = vx.load_mjcf(vx.World(), path)
+    made = robot.joints["a"].kind
+    assert (made.damping, made.friction, made.armature) == (0.0, 0.0, 0.0)

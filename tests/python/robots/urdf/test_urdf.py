@@ -565,3 +565,14 @@ def test_a_mesh_that_refers_to_a_pipe_keeps_no_robot_waiting(tmp_path: Path):
     command = [sys.executable, "-c", program, str(tmp_path / "robot.urdf")]
     run = subprocess.run(command, capture_output=True, text=True, timeout=30)
     assert "1 link" in run.stdout
+
+
+@pytest.mark.parametrize("effort", ["0", "-1", "inf"])
+def test_an_effort_that_is_no_force_is_quoted(write, effort):
+    limit = f'<limit lower="-1" upper="0.5" effort="{effort}" velocity="2"/>'
+    robot = vx.load_urdf(
+        vx.World(), write(link("base"), link("a"), joint("x", "revolute", "base", "a", limit))
+    )
+    text = f"the file states effort=\"{effort}\" for joint 'x'; pass max_force"
+    with pytest.raises(vx.SettingsError, match=text):
+        robot.set_targets({"x": 0.1})
