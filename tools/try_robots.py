@@ -188,7 +188,7 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | unknown elements and attributes | refused; the error suggests the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
 | limits of actuators: `forcerange`, and `ctrlrange` of a `motor`, times `gear` | the `max_force` of `robot.set_targets`, if the joint has one actuator; at most its `actuatorfrcrange` |
 | `<actuator>`, `<tendon>`, `<equality>`, springs and armatures of tendons and balls, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
-| `<option>` | the world's gravity and time step apply; if the file has another gravity, a warning states it |
+| `<option>` | the world's gravity and time step apply; if the file states another gravity or `timestep`, a warning says so |
 | `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
 | solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter
 from typing import TYPE_CHECKING
@@ -55,8 +56,8 @@ class LeftOut:
             if kinds:
                 self._counts.setdefault(name, Counter()).update(kinds)
 
-    def note_option(self, root: Element, gravity: Iterable[float]) -> None:
-        """Note what ``<option>`` says about air, and a gravity that differs from the world's.
+    def note_option(self, root: Element, gravity: Iterable[float], time_step: float) -> None:
+        """Note what ``<option>`` says about air, and a gravity or time step that differs from the world's.
 
         Raises:
             RobotError: An option is no number, or a flag is no word that it may be.
@@ -81,6 +82,11 @@ class LeftOut:
                 and any(abs(a - b) > 1e-6 for a, b in zip(wanted, gravity, strict=True))
             ):
                 self.note("<option>", f"gravity {wanted}; pass it to the World")
+            seconds = option.number("timestep")
+            if seconds is not None and not math.isclose(seconds, time_step, rel_tol=1e-6):
+                self.note(
+                    "<option>", f"timestep {seconds:g}; give time_step={seconds:g} to the World"
+                )
 
     def list(self) -> list[str]:
         """Return a phrase for each kind."""

@@ -60,7 +60,7 @@ def load_mjcf(
     Bodies of one tree that overlap from the beginning, by over 2 % of the smaller one, do not collide.
     Geoms whose ``contype`` and ``conaffinity`` are 0 are only seen, and have a mass as in MuJoCo.
     Actuators, tendons and equalities are not simulated; a :class:`RobotWarning` lists what the
-    file has of them. Gravity and time step are the world's. Elements and attributes that MuJoCo does not know are
+    file has of them, and names another gravity or time step than the world's, which apply. Elements and attributes that MuJoCo does not know are
     refused.
 
     Args:
@@ -139,7 +139,7 @@ def load_mjcf(
     as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
     settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
-    model = read_mjcf(path, world.gravity)
+    model = read_mjcf(path, world.gravity, world.time_step)
     robot, filters = model.robot, model.filters
     begin_at(robot, starts)
     lump_of = find_lumps(robot)

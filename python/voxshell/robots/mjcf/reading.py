@@ -35,12 +35,13 @@ class Model:
     carriers: dict[str, str]
 
 
-def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
+def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float], time_step: float) -> Model:
     """Read and check a file.
 
     Args:
         path: The file's path.
         gravity: The world's gravity, m/s2; if the file's differs, it is noted as not simulated.
+        time_step: The world's time step, seconds; as above.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -49,7 +50,7 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
             geom, and a remedy.
     """
     try:
-        return _read(path, gravity)
+        return _read(path, gravity, time_step)
     except RobotError as error:
         name = os.fsdecode(path)
         if name in str(error):
@@ -57,7 +58,7 @@ def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
         raise RobotError(f"{error} (while reading {name})") from None
 
 
-def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
+def _read(path: str | os.PathLike[str], gravity: Iterable[float], time_step: float) -> Model:
     file = read_model(path)
     name = file.root.attributes.get("model")
     stem = os.path.splitext(os.path.basename(file.path))[0]
@@ -74,7 +75,7 @@ def _read(path: str | os.PathLike[str], gravity: Iterable[float]) -> Model:
     bodies = BodyReader(part, robot, filters, left_out)
     if part.compiler.total_mass is not None:
         _scale_masses(robot, part.compiler.total_mass)
-    left_out.note_option(file.root, gravity)
+    left_out.note_option(file.root, gravity, time_step)
     robot.left_out.extend(left_out.list())
     return Model(robot, filters, bodies.carriers)
 

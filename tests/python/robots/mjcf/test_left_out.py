@@ -58,3 +58,16 @@ def test_a_world_without_gravity_does_not_warn_of_a_file_without(write, recwarn)
     path = write(flag, f"<worldbody><body name='x'><freejoint/>{BALL}</body></worldbody>")
     vx.load_mjcf(vx.World(gravity=(0, 0, 0)), path)
     assert not recwarn.list
+
+
+def test_another_time_step_than_the_worlds_is_named(write, recwarn):
+    path = write(
+        "<option timestep='0.002'/>", f"<worldbody><body name='x'>{BALL}</body></worldbody>"
+    )
+    assert (
+        "simulated: <option> ('timestep 0.002; give time_step=0.002 to the World')"
+        in warning_of(path)
+    )
+    recwarn.clear()
+    vx.load_mjcf(vx.World(time_step=0.002), path)
+    assert not recwarn.list
