@@ -65,13 +65,14 @@ class Model:
                [ 0.5,  0.5,  0.5]])
     """
 
-    __slots__ = ("_core", "_field", "_is_sparse", "_judged", "_serial", "_shell")
+    __slots__ = ("_core", "_field", "_is_of_robot", "_is_sparse", "_judged", "_serial", "_shell")
 
     def __init__(self, core: CoreModel | None = None) -> None:
         if not isinstance(core, CoreModel):
             raise InputTypeError("build a model with Model.from_mesh(mesh)")
         self._core = core
         self._is_sparse: bool = core.tolerance > 0.0  # flat regions have few points
+        self._is_of_robot = False  # a loader made it, which decides what helps against a warning
         self._serial = next(SERIALS)
         self._judged: set[int] = set()
         self._field = DistanceField(core.field, core.grid)

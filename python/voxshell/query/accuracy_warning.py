@@ -54,13 +54,19 @@ def _name(body: Model | Field) -> str:
 
 def _advise(*bodies: Model | Field) -> str:
     """What to do about bodies that may miss much of each other."""
-    if any(isinstance(body, Model) and body.tolerance is None for body in bodies):
-        build = "build the models to a tolerance, without voxel_size= and resolution="
-        robots = "; load robots with tolerance=0.0002"  # they are uniform by default
+    uniform = [body for body in bodies if isinstance(body, Model) and body.tolerance is None]
+    of_robots = [body for body in uniform if body._is_of_robot]  # uniform by default
+    build = "build {} to a tolerance, without voxel_size= and resolution="
+    if not uniform:
+        remedy, more = "build the models to a smaller tolerance=", ""
+    elif not of_robots:
+        remedy, more = build.format("the models"), "; load robots with tolerance=0.0002"
     else:
-        build, robots = "build the models to a smaller tolerance=", ""
+        remedy, more = "load robots with tolerance=0.0002", ""
+        if len(of_robots) < len(uniform):
+            remedy = f"{remedy}, and {build.format('other models')}"
     return (
-        f"{build} (voxshell.contact_bounds reports the effect{robots}), or filter "
+        f"{remedy} (voxshell.contact_bounds reports the effect{more}), or filter "
         "voxshell.AccuracyWarning"
     )
 

@@ -157,7 +157,7 @@ class Shaper:
                 tolerance=self._tolerance, open_as="sheet", sheet_thickness=sheet.thickness
             ),
         )
-        return Model(core), find_flaws(core, open_as="sheet")
+        return _mark(Model(core)), find_flaws(core, open_as="sheet")
 
     def _shape_mesh(self, mesh: Mesh) -> tuple[Part, list[Finding]]:
         if self._mesh_as == "hull":
@@ -172,7 +172,7 @@ class Shaper:
                 tolerance=self._tolerance, voxel_size=voxel_size, resolution=self._resolution
             ),
         )
-        return Model(core), find_flaws(core)
+        return _mark(Model(core)), find_flaws(core)
 
 
 class _Made(NamedTuple):
@@ -181,6 +181,11 @@ class _Made(NamedTuple):
     part: Part
     flaws: list[Finding]
     sheet: Sheet | None
+
+
+def _mark(model: Model) -> Model:
+    model._is_of_robot = True
+    return model
 
 
 def _make_hull(vertices: NDArray[np.float64]) -> ConvexHull:

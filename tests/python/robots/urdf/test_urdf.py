@@ -576,3 +576,20 @@ def test_an_effort_that_is_no_force_is_quoted(write, effort):
     text = f"the file states effort=\"{effort}\" for joint 'x'; pass max_force"
     with pytest.raises(vx.SettingsError, match=text):
         robot.set_targets({"x": 0.1})
+
+
+def test_a_warning_about_models_of_robots_begins_with_what_helps_robots(write, tmp_path):
+    trimesh.creation.box((1.0, 1.0, 0.004)).export(tmp_path / "plate.stl")
+    mesh = INERTIAL + '<collision><geometry><mesh filename="plate.stl"/></geometry></collision>'
+    path = write(link("a", mesh))
+    world = vx.World()
+    vx.load_urdf(world, path)
+    vx.load_urdf(world, path, fixed_base=False, pose=(0, 0, 1))
+    remedy = r"mm; load robots with tolerance=0\.0002 \(voxshell\.contact_bounds reports the effect\), or "
+    with pytest.warns(vx.AccuracyWarning, match=remedy) as caught:
+        world.step()
+    assert "voxel_size=" not in str(caught[0].message)
+    plate = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.0041)), resolution=100)
+    world.add(plate, pose=(9, 0, 0))
+    with pytest.warns(vx.AccuracyWarning, match="tolerance=0.0002, and build other models to a to"):
+        world.step()
