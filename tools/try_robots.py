@@ -190,7 +190,8 @@ print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
 | `<actuator>`, `<tendon>`, `<equality>`, springs and armatures of tendons and balls, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
 | `<option>` | the world's gravity and time step apply; if the file states another gravity or `timestep`, a warning says so |
 | `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
-| solver parameters, sensors, sites, cameras, keyframes, pictures | not read |
+| `<keyframe>` | `vx.load_mjcf(world, path, keyframe="home")` lets all joints begin at the `qpos` of the `<key>` with that name; the rest is not read |
+| solver parameters, sensors, sites, cameras, pictures | not read |
 
 The tables list what `vx.load_mjcf` does with every MJCF file of the packages below. Each model that loads then moves freely
 for {steps} steps. Files with elements that are not simulated load with a warning. The last column quotes the error of a refused

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from voxshell.base.arguments import as_flag
+from voxshell.base.arguments import as_flag, as_text
 from voxshell.base.calls import explain_calls
 from voxshell.robots.assembly import Assembly, check_place
 from voxshell.robots.description import shorten_names
@@ -12,6 +12,7 @@ from voxshell.robots.lumps import find_lumps
 from voxshell.robots.matter import complete_matter
 from voxshell.robots.mjcf.carriers import share_matter
 from voxshell.robots.mjcf.frictionless import remove_frictions
+from voxshell.robots.mjcf.keyframes import begin_at_keyframe
 from voxshell.robots.mjcf.left_out import LeftOut
 from voxshell.robots.mjcf.overlaps import keep_overlaps_apart
 from voxshell.robots.mjcf.reading import read_mjcf
@@ -42,6 +43,7 @@ def load_mjcf(
     friction: float | None = None,
     self_collision: bool = True,
     positions: Mapping[str, float] | None = None,
+    keyframe: str | None = None,
 ) -> Robot:
     """Add the bodies of an MJCF file, the XML format of MuJoCo, to a world.
 
@@ -82,6 +84,9 @@ def load_mjcf(
             Those of different trees can always collide.
         positions: Positions at which hinges and slides begin, radians, even if the file states degrees,
             or meters, by name.
+        keyframe: The name of a ``<key>`` of the file, in whose ``qpos`` all joints begin, free bodies
+            and balls, too, except those in ``positions``. Positions beyond limits begin at the nearest
+            limit, with a :class:`RobotWarning`. The rest of a keyframe is not read.
 
     Returns:
         The robot.
@@ -94,11 +99,11 @@ def load_mjcf(
         RobotError: The file cannot be simulated; the message names the file, the line, the body or
             geom, and a remedy.
         SettingsError: A setting is out of range. Or ``positions`` names an unknown joint, or is
-            beyond its limits.
+            beyond its limits. Or the file has no such ``keyframe``.
         PoseError: ``pose`` is in no form that :func:`pose` lists, is not rigid, or is not finite.
         MemoryLimitError: A model would be too large.
-        InputTypeError: ``world`` is not a world, or ``path`` is not a path, or
-            ``positions`` does not map names to numbers.
+        InputTypeError: ``world`` is not a world, or ``path`` is not a path, or ``keyframe`` is not a
+            text, or ``positions`` does not map names to numbers.
 
     Warns:
         RobotWarning: The file contains something that is not simulated, or lacks a mass. Or meshes have
@@ -141,6 +146,8 @@ def load_mjcf(
     settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
     model = read_mjcf(path, world.gravity, world.time_step)
     robot, filters = model.robot, model.filters
+    if keyframe is not None:
+        begin_at_keyframe(robot, model.root, as_text(keyframe, "keyframe"))
     begin_at(robot, starts)
     lump_of = find_lumps(robot)
     lumps = list(dict.fromkeys(lump_of.values()))

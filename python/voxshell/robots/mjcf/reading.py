@@ -19,6 +19,8 @@ from voxshell.robots.mjcf.parts import open_part
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from voxshell.robots.xml_elements import Element
+
 
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -28,11 +30,13 @@ class Model:
         robot: Links and joints.
         filters: Rules for which bodies collide.
         carriers: The body of each link between joints, by name.
+        root: Its elements.
     """
 
     robot: RobotDescription
     filters: Filters
     carriers: dict[str, str]
+    root: Element
 
 
 def read_mjcf(path: str | os.PathLike[str], gravity: Iterable[float], time_step: float) -> Model:
@@ -77,7 +81,7 @@ def _read(path: str | os.PathLike[str], gravity: Iterable[float], time_step: flo
         _scale_masses(robot, part.compiler.total_mass)
     left_out.note_option(file.root, gravity, time_step)
     robot.left_out.extend(left_out.list())
-    return Model(robot, filters, bodies.carriers)
+    return Model(robot, filters, bodies.carriers, file.root)
 
 
 def _scale_masses(robot: RobotDescription, total: float) -> None:
