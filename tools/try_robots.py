@@ -133,8 +133,8 @@ with the masses and centers of mass of the file.
 ## Robots that were tried
 
 This section lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for
-{steps} steps. Some files leave out masses, inertias, limits or collisions, or have joints that cannot begin at 0. They load with a
-`RobotWarning`, which states what voxshell used instead. The last column quotes the error of a refused file. The meshes were
+{steps} steps. Some files leave out masses, inertias, limits or collisions, have joints that cannot begin at 0, or have elements that
+are not read. They load with a `RobotWarning`, which states what voxshell used instead. The last column quotes the error of a refused file. The meshes were
 loaded {kind}. These commands write the page:
 
 ```
