@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 _LARGE_FIELD = 64.0  # megabytes; models by tolerance warn above this
 _COARSE = 5.0  # tolerances in the shortest side below which a tolerance is probably in millimeters
 _FAR_OFF = 4.0  # accepted error of the worst place, in tolerances; 1.4 is proven for closed meshes
+_SPARE = (
+    2.0  # factor on a tolerance that would just do, because errors jump with the size of voxels
+)
 
 
 class Finding(NamedTuple):
@@ -152,21 +156,47 @@ def _find_inaccuracy(core: CoreModel) -> list[Finding]:
     worst = max(accuracy.distance.max, accuracy.coverage.max)
     if reached <= tolerance and worst <= _FAR_OFF * tolerance:
         return found
-    distance, coverage = accuracy.distance.p99 * 1e3, accuracy.coverage.p99 * 1e3
+    missed = []
+    if reached > tolerance:
+        missed.append(
+            f"on 99 % of its surface the field's error is at most {accuracy.distance.p99 * 1e3:.3g} mm and the "
+            f"shell's {accuracy.coverage.p99 * 1e3:.3g} mm"
+        )
+    if worst > _FAR_OFF * tolerance:
+        missed.append(
+            f"the largest error is {worst * 1e3:.3g} mm, and at most {_FAR_OFF:g} tolerances are accepted anywhere"
+        )
     closed = core.grid.sign_method == "closed"
     why = "" if closed else "; exact cells need a closed mesh, so repair it if you can"
+    larger = _choose_larger(tolerance, reached, worst)
+    coarse = _COARSE * larger > np.ptp(core.vertices, axis=0).min()
+    advice = "" if coarse else f"a larger tolerance, such as {larger:.2g} m, or "
     found.append(
         Finding(
             AccuracyWarning,
-            f"the model misses its tolerance of {tolerance * 1e3:.3g} mm: on 99 % of its surface the field's error "
-            f"is at most {distance:.3g} mm and the shell's {coverage:.3g} mm; the largest error is "
-            f"{worst * 1e3:.3g} mm"
-            f"{why}; pass a tolerance of {reached:.3g} m to accept this, or a voxel_size for a uniform model",
+            f"the model misses its tolerance of {tolerance * 1e3:.3g} mm: {'; '.join(missed)}{why}; pass {advice}"
+            f"a voxel_size for a uniform model, such as {core.grid.voxel_size:.2g} m as here",
             f"misses the tolerance of {tolerance * 1e3:.3g} mm by up to {worst * 1e3:.3g} mm",
             "",
         )
     )
     return found
+
+
+def _choose_larger(tolerance: float, reached: float, worst: float) -> float:
+    """Return a tolerance that a mesh will probably meet, in two digits, meters.
+
+    Voxels grow with the tolerance, and where cells are not exact, the error grows about with its square root.
+
+    Args:
+        tolerance: That it misses.
+        reached: Its error on 99 % of the surface.
+        worst: Its largest error.
+    """
+    needed = max(reached, worst / _FAR_OFF)
+    larger = _SPARE * needed * max(1.0, needed / tolerance)
+    digit = 10.0 ** (math.floor(math.log10(larger)) - 1)
+    return math.ceil(larger / digit) * digit
 
 
 def _fault(text: str, defect: str, handling: str) -> Finding:

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+import re
+import warnings
 
 import numpy as np
 import pytest
@@ -47,3 +49,59 @@ def test_model_files_keep_it(tmp_path):
     again = vx.Model.load(tmp_path / "box.vxs")
     assert (again.accuracy, again.thickness) == (model.accuracy, model.thickness)
     assert again.thickness == pytest.approx(0.1)
+
+
+def ball_with_a_hole(radius: float = 0.03, subdivisions: int = 4) -> trimesh.Trimesh:
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+    nearest = np.argsort(np.linalg.norm(mesh.triangles_center - mesh.triangles_center[7], axis=1))
+    mesh.update_faces(np.isin(np.arange(len(mesh.faces)), nearest[65:]))
+    return mesh
+
+
+def build_and_hear(
+    mesh: trimesh.Trimesh, tolerance: float | None = None
+) -> tuple[vx.Model, list[str]]:
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        model = vx.Model.from_mesh(mesh, tolerance=tolerance, cache=False)
+    return model, [str(one.message) for one in heard if one.category is vx.AccuracyWarning]
+
+
+def test_a_warning_of_the_largest_error_alone_does_not_name_the_others():
+    model, said = build_and_hear(ball_with_a_hole(0.05), 1e-4)
+    accuracy = model.accuracy
+    reached = max(accuracy.distance.p99, accuracy.coverage.p99)
+    assert reached <= model.tolerance < accuracy.distance.max / 4, "the case has changed"
+    (text,) = said
+    assert f"the largest error is {1e3 * accuracy.distance.max:.3g} mm, and at most 4 tol" in text
+    assert "99 %" not in text
+
+
+def test_a_warning_of_most_of_the_surface_names_its_errors():
+    model, said = build_and_hear(ball_with_a_hole(), 5e-6)
+    (text,) = said
+    assert (
+        f"on 99 % of its surface the field's error is at most {1e3 * model.accuracy.distance.p99:.3g} mm"
+        in text
+    )
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-5])
+@pytest.mark.parametrize("radius", [0.03, 0.05])
+def test_the_advised_tolerance_is_larger_and_ends_the_warning(tolerance, radius):
+    mesh = ball_with_a_hole(radius)
+    model, said = build_and_hear(mesh, tolerance)
+    assert len(said) == 1
+    found = re.search(r"such as (\S+) m, or a voxel_size", said[0])
+    assert found is not None, said
+    assert float(found[1]) > model.tolerance
+    assert build_and_hear(mesh, float(found[1]))[1] == []
+
+
+def test_the_advised_voxel_size_ends_the_warning():
+    _, said = build_and_hear(ball_with_a_hole())
+    found = re.search(r"such as (\S+) m as here", said[0])
+    assert found is not None, said
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", vx.AccuracyWarning)
+        vx.Model.from_mesh(ball_with_a_hole(), voxel_size=float(found[1]), sign="winding")
