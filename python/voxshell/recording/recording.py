@@ -21,6 +21,7 @@ from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.errors import MissingExtraError, RecordingError
 from voxshell.recording.body_track import BodyTrack
 from voxshell.recording.contact_track import ContactTrack
+from voxshell.recording.recording_file import SUFFIX, read_recording, write_recording
 
 _MOST_SHOWN = 8_000_000
 """Largest replay in a notebook, bytes: the notebook stores it in its file."""
@@ -42,6 +43,7 @@ class Recording:
 
     Example:
         >>> import numpy as np
+        >>> from voxshell.recording import BodyTrack, ContactTrack, Recording
         >>> poses = np.tile(np.eye(4), (3, 1, 1))
         >>> poses[:, 2, 3] = [0.3, 0.2, 0.1]
         >>> body = BodyTrack("flag", np.eye(3), [[0, 1, 2]], (90, 140, 210), poses)
@@ -88,6 +90,62 @@ class Recording:
     def duration(self) -> float:
         """Seconds from the first frame to the last."""
         return (self.frame_count - 1) * self.time_step
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the recording to a file, which :meth:`load` reads; equal recordings give equal bytes.
+
+        Args:
+            path: The file, with the suffix .npz; written completely or not at all.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            SettingsError: The suffix is another one, or the path is a folder, a device or a pipe.
+            FileAccessError: The file cannot be written, or its folder does not exist.
+            InputTypeError: ``path`` is not a path.
+
+        Example:
+            >>> import tempfile
+            >>> import voxshell as vx
+            >>> world = vx.World()
+            >>> ball = world.add(vx.Sphere(0.1), name="ball")
+            >>> recorder = world.record(every=10)
+            >>> world.step(100)
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     path = recorder.recording().save(folder + "/fall.npz")
+            ...     vx.Recording.load(path)
+            Recording(1 body, 11 frames, 0.5 s, 0 contacts)
+        """
+        place = _as_place(path, (SUFFIX,), "a recording")
+        write_recording(place, self.time_step, self.bodies, self.contacts)
+        return place
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Recording:
+        """Read a recording that :meth:`save` wrote.
+
+        Args:
+            path: The file's path.
+
+        Returns:
+            The recording, equal to the saved one in every bit.
+
+        Raises:
+            MissingFileError: The file does not exist.
+            FileAccessError: The file cannot be read.
+            RecordingError: It is damaged, is not a recording, or has another version.
+            MemoryLimitError: Its arrays have more than 4 GiB, or there is no memory for them.
+            SettingsError: It is a folder or a device.
+            InputTypeError: ``path`` is not a path.
+
+        Example:
+            >>> import voxshell as vx
+            >>> vx.Recording.load("pyproject.toml")
+            Traceback (most recent call last):
+            voxshell.errors.RecordingError: cannot read the recording pyproject.toml: File is not a zip file
+        """
+        return cls(*read_recording(Path(os.fsdecode(as_path(path, "path")))))
 
     def save_html(
         self, path: str | PathLike[str], *, title: str = "Replay", label: str = "", **options: Any
