@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import html
 import sys
 import threading
@@ -131,6 +132,8 @@ class LiveView:
             raise
         self._thread = threading.Thread(target=self._send, name="voxshell view", daemon=True)
         self._thread.start()
+        # Before the server ends, which does so at the exit as well, so that the page can say why.
+        atexit.register(self.close)
 
     @property
     def address(self) -> str:
@@ -208,6 +211,7 @@ class LiveView:
                 return
             self._closed = True
             self._gate.notify_all()
+        atexit.unregister(self.close)
         self._pulls.release_all()
         with self._news:
             self._news.notify_all()

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 _TEXT_EVERY = 0.2
 """Seconds between updates of plots and numbers, which take more time than the scene."""
 
+_LAST_WORDS = 0.2
+"""Seconds that the end of a view leaves for its last message to reach the pages."""
+
 _CONTROLS, _NARROW = 340, 580
 """Pixels that the controls cover on the right, and the width below which they are a sheet at the foot of the page."""
 _USUAL_WINDOW = 1240, 670
@@ -114,7 +117,17 @@ class LivePage:
                 self._last_text = now
 
     def close(self) -> None:
-        """Stop the server; its page reports a lost connection."""
+        """Say on the page that the view has ended, take its controls away, and stop the server."""
+        with self._server.atomic():
+            at = "" if self._frame is None else f" at **{self._frame.time:.3f} s**"
+            self._status.content = (
+                f"**ended**{at}: the program has ended or closed this view. Close this page."
+            )
+            for control in self._controls:
+                control.visible = False
+        self._server.flush()
+        if self._server.get_clients():
+            time.sleep(_LAST_WORDS)  # viser sends in a thread of its own, and drops what is left
         self._stack.close()
 
     def _add_controls(self, gui: viser.GuiApi) -> None:
@@ -127,6 +140,7 @@ class LivePage:
         speeds = {names[0]: view.speed, **_SPEEDS}
         speed = gui.add_dropdown("speed", names, initial_value=initial or names[0])
         through = gui.add_checkbox("see through", initial_value=True)
+        self._controls = (self._hold, others, speed, through)
         self._show_pause()
 
         @through.on_update

@@ -8,12 +8,14 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import code_blocks
 import pytest
 import trimesh
 from code_blocks import ROOT, Block, all_blocks
+from voxshell.simulation.live_view import LiveView, Page
 
 BUILD = ROOT / "build/release"  # where ./dev builds
 # Commands that are not run here, each with the reason: patterns of their beginnings.
@@ -119,6 +121,13 @@ def link_cpp(block: Block, folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("block", all_blocks("python"), ids=str)
 def test_python_runs(block: Block, folder: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("voxshell.simulation.live_view.FIRST_PAGE", 0.01)  # nobody opens it here
+    opened = LiveView.open
+
+    def open_and_resume(view: LiveView, make_page: Callable[[], Page]) -> None:
+        opened(view, make_page)
+        view.resume()  # nobody presses the button here
+
+    monkeypatch.setattr(LiveView, "open", open_and_resume)
     run_python(block)
 
 

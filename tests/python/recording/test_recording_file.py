@@ -127,5 +127,7 @@ def test_an_archive_that_grows_beyond_the_limit_is_refused_before_it_is_read(
     monkeypatch.setattr("voxshell.recording.recording_file._MOST_BYTES", 1_000_000)
     with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("header.npy", bytes(2_000_000))
-    with pytest.raises(vx.MemoryLimitError, match=r"0\.002 GB of arrays; at most 0\.001 GB are read"):
+    with pytest.raises(
+        vx.MemoryLimitError, match=r"0\.002 GB of arrays; at most 0\.001 GB are read"
+    ):
         Recording.load(tmp_path / "a.npz")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -124,6 +126,47 @@ def test_a_page_says_when_the_program_makes_no_steps(watched: Watched):
     watched.page.get_by_text("3 bodies").wait_for()
     watched.world.remove(ball)
     watched.page.get_by_text("2 bodies").wait_for()
+
+
+def test_a_page_says_that_its_view_has_ended(watched: Watched):
+    watched.page.get_by_text("running at").wait_for()
+    watched.view.close()
+    watched.page.get_by_text("ended at").wait_for()
+    watched.page.get_by_text("the program has ended or closed this view").wait_for()
+    watched.page.get_by_role("button", name="Pause").wait_for(state="hidden")
+    assert watched.page.get_by_text("running at").count() == 0
+
+
+@pytest.mark.parametrize("ending", ["", "raise SystemExit(3)", "1 / 0"])
+def test_a_page_says_that_its_program_has_ended(browser: Browser, ending: str):
+    code = f"""
+import voxshell as vx
+world = vx.World()
+world.add(vx.Sphere(0.1))
+view = world.view(port=0, wait=60)
+print(view.address, flush=True)
+world.step()
+input()
+{ending}
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        page = browser.new_page()
+        page.set_default_timeout(PATIENCE * 1000.0)
+        page.goto(process.stdout.readline().strip())
+        page.get_by_text("waiting for the next step").wait_for()
+        process.stdin.write("\n")
+        process.stdin.close()
+        page.get_by_text("the program has ended or closed this view").wait_for()
+        process.wait(PATIENCE)
+        page.close()
 
 
 def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
