@@ -65,7 +65,12 @@ def test_commands_of_the_studies_say_what_to_install(command):
     code = f"{WITHOUT_STUDIES}\nfrom voxshell.cli import main\nmain({command})"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert ended.returncode == 1
-    assert "pip install voxshell-studies" in " ".join(ended.stderr.split())
+    said = " ".join(ended.stderr.split())
+    assert "run pip install ./studies;" in said
+    assert (ROOT / "studies/pyproject.toml").is_file()
+    assert (
+        "pip install --find-links build/dist voxshell-studies" in said
+    )  # where ./dev wheel puts it
 
 
 def test_both_packages_have_one_version():

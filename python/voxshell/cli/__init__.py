@@ -57,7 +57,9 @@ app.register_install_completion_command()
 
 def _need_studies(*_: Annotated[str, Parameter(allow_leading_hyphen=True)]) -> NoReturn:
     raise MissingExtraError(
-        "this command belongs to the studies, a package of its own: pip install voxshell-studies"
+        "this command belongs to the studies, voxshell-studies, a package of its own that is on no index yet: in a "
+        "clone of voxshell's repository, run pip install ./studies; or install its wheel, which lies beside "
+        "voxshell's: pip install --find-links build/dist voxshell-studies"
     )
 
 

@@ -39,17 +39,24 @@ def check_extras(scene: Scene) -> None:
     from importlib.util import find_spec
 
     outputs = scene.outputs
-    for wanted, library, extra in (
+    needed = (
         (outputs.replay, "viser", "viewer"),
         (outputs.plot, "matplotlib", "report"),
         ("parquet" in (outputs.poses, outputs.contacts), "pyarrow", "report"),
         *((is_video(outputs), name, "video") for name in ("pyvista", "imageio", "imageio_ffmpeg")),
         (bool({"usda", "usdc"} & set(outputs.exports)), "pxr", "usd"),
-    ):
-        if wanted and find_spec(library) is None:
-            raise MissingExtraError(
-                f"the outputs of {scene.path} need {library}: pip install 'voxshell[{extra}]'"
-            )
+    )
+    missing = [
+        (library, extra)
+        for wanted, library, extra in needed
+        if wanted and find_spec(library) is None
+    ]
+    if missing:
+        libraries = ", ".join(library for library, _ in missing)
+        extras = ",".join(dict.fromkeys(extra for _, extra in missing))
+        raise MissingExtraError(
+            f"the outputs of {scene.path} need {libraries}: pip install 'voxshell[{extras}]'"
+        )
 
 
 def is_video(outputs: OutputSettings) -> bool:

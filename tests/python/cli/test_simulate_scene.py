@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import json
 import signal
 import subprocess
@@ -269,3 +270,20 @@ def test_examples_run(voxshell, bunny_path, tmp_path, path):
     ended = voxshell("simulate", tmp_path / path.name, "--out", tmp_path / "out")
     assert ended.code == 0, ended.err
     assert (tmp_path / "out" / "index.html").stat().st_size > 100_000
+
+
+def test_all_missing_extras_are_named_at_once(voxshell, scene_path, tmp_path, monkeypatch):
+    missing = {"viser", "matplotlib", "pyarrow", "pyvista", "imageio", "imageio_ffmpeg"}
+    find_spec = importlib.util.find_spec
+    monkeypatch.setattr(
+        "importlib.util.find_spec",
+        lambda name, *rest: None if name in missing else find_spec(name, *rest),
+    )
+    ended = voxshell("simulate", scene_path, "--out", tmp_path / "out", "--export", "gif")
+    assert ended.code == 1
+    said = " ".join(ended.err.split())
+    assert (
+        "need viser, matplotlib, pyarrow, pyvista, imageio, imageio_ffmpeg: pip install 'voxshell[viewer,report,video]'"
+        in said
+    )
+    assert not (tmp_path / "out").exists()
