@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.surface import split_creases
+from voxshell.viewer.terminal_progress import on_terminal
 from voxshell.viewer.timeline import plan_timeline
 from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
@@ -70,7 +71,8 @@ def save_video(
         up: The world axis that points up, such as "+z" or "+y".
         title: Text at the top left.
         progress: Called after each frame with the name of the stage and its completed fraction, 0
-            to 1. If it raises, no file is written, and the same exception is raised.
+            to 1. If it raises, no file is written, and the same exception is raised. None: a bar on
+            stderr if that is a terminal; ``lambda *_: None`` shows nothing.
 
     Returns:
         The path of the file.
@@ -101,15 +103,18 @@ def save_video(
     pyvista, imageio = _import_libraries()
     if frames_per_second is not None:
         warn_of_rate(path, recording, timeline, 1.0 / pause, frames_per_second)
-    with replacing(path) as temporary, _drawing(pyvista, pixels) as plotter:
+    with (
+        on_terminal(f"draw {path.name}") if progress is None else nullcontext(progress) as tell,
+        replacing(path) as temporary,
+        _drawing(pyvista, pixels) as plotter,
+    ):
         film = _Film(pyvista, plotter, recording, timeline, size=pixels, up=up, title=title)
         try:
             with open_writer(imageio, temporary, pause) as writer:
                 count = len(timeline.times)
                 for instant in range(count):
                     writer.append_data(film.draw(instant))
-                    if progress is not None:
-                        progress("draw", (instant + 1) / count)
+                    tell("draw", (instant + 1) / count)
         except OSError as error:  # from the encoder or the disk
             raise FileAccessError(f"cannot write {path}: {error}") from error
     return path

@@ -186,3 +186,23 @@ def test_a_video_with_fewer_frames_than_asked_for_says_so(
         return
     with pytest.warns(UserWarning, match=message):
         turn_and_fall().save_video(tmp_path / name, **options)
+
+
+def test_a_video_without_a_callback_tells_the_terminal_how_far_it_is(
+    tmp_path: Path, drawn: list[dict[str, object]], monkeypatch: pytest.MonkeyPatch
+):
+    told: list[tuple[str, float]] = []
+
+    @contextmanager
+    def show(description: str) -> Iterator[object]:
+        assert description == "draw fall.gif"
+        yield lambda stage, fraction: told.append((stage, fraction))
+
+    monkeypatch.setattr("voxshell.viewer.video.on_terminal", show)
+    turn_and_fall().save_video(tmp_path / "fall.gif", frames_per_second=10)
+    assert len(told) == 11
+    assert told[-1] == ("draw", 1.0)
+    turn_and_fall().save_video(
+        tmp_path / "fall.gif", frames_per_second=10, progress=lambda *_: None
+    )
+    assert len(told) == 11
