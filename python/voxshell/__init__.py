@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from voxshell import testing
 from voxshell._core import version as __version__
+from voxshell.base.near_names import advise_on_name
 from voxshell.base.poses import pose
 from voxshell.base.user_warnings import UnitWarning
 from voxshell.errors import (
@@ -196,7 +197,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import names that need Bullet on first use."""
     if name not in __all__:
-        raise AttributeError(f"module 'voxshell' has no attribute {name!r}")
+        advice = advise_on_name(name, __all__)
+        raise AttributeError(
+            f"module 'voxshell' has no attribute {name!r}{f': {advice}' if advice else ''}"
+        )
     try:
         from voxshell import simulation
     except ImportError as error:

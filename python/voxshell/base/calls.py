@@ -6,7 +6,7 @@ import inspect
 from functools import wraps
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from voxshell.base.near_names import advise_on_argument, advise_on_unnamed
+from voxshell.base.near_names import advise_on_argument, advise_on_missing, advise_on_unnamed
 from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def explain_calls(thing: Public) -> Public:
 
     A class gets wrapped copies of the methods that it inherits from classes that are not wrapped
     themselves, so that messages name the class that users know. A call takes 70 ns longer; queries
-    of two bodies, which may take a microsecond, are not wrapped.
+    of contacts of two bodies, which may take a microsecond, are not wrapped.
 
     Example:
         >>> @explain_calls
@@ -56,16 +56,43 @@ def check_takes(value: object, what: str, **callbacks: Callable[..., object] | N
             ) from None
 
 
+def check_options(
+    call: str, options: Mapping[str, object], function: Callable[..., Any], own: tuple[str, ...]
+) -> None:
+    """Refuse options that a call would pass on to a function that does not have them.
+
+    Args:
+        call: The public name of the call.
+        options: What is to be passed on.
+        function: What takes them, by name only.
+        own: The arguments of the call itself; the function may have them, too.
+
+    Raises:
+        InputTypeError: There is no such option. The message names the call, and the arguments that it has.
+    """
+    theirs = inspect.signature(function).parameters.values()
+    names = dict.fromkeys([*own, *(p.name for p in theirs if p.kind is p.KEYWORD_ONLY)])
+    for name in options:
+        if name not in names:
+            usage = ", ".join(["path", "*", *(f"{known}=..." for known in names)])
+            advice = advise_on_argument(call, name, names)
+            raise InputTypeError(
+                _join(f"{call}() has no argument {name!r}", advice, f"{call}({usage})")
+            )
+
+
 def _wrap_methods(thing: type) -> None:
     ours = [base for base in thing.__mro__ if base.__module__.split(".")[0] == _PACKAGE]
     members = {name: member for base in reversed(ours) for name, member in vars(base).items()}
     for name, member in members.items():
-        if name.startswith("_") and name != "__init__":
+        if name.startswith("_") and name not in ("__init__", "__new__"):
             continue
-        function = member.__func__ if isinstance(member, classmethod) else member
+        kind = type(member) if isinstance(member, (classmethod, staticmethod)) else None
+        function = member if kind is None else member.__func__
         if inspect.isfunction(function) and not hasattr(function, "__wrapped__"):
-            wrapped = _wrap(function, f"{thing.__name__}.{name}", takes_self=True)
-            setattr(thing, name, wrapped if function is member else classmethod(wrapped))
+            takes_self = kind is not staticmethod or name == "__new__"
+            wrapped = _wrap(function, f"{thing.__name__}.{name}", takes_self=takes_self)
+            setattr(thing, name, wrapped if kind is None else kind(wrapped))
 
 
 def _wrap(function: Callable[..., Any], title: str, *, takes_self: bool) -> Callable[..., Any]:
@@ -92,7 +119,7 @@ def _explain(
 ) -> str:
     """Return why a call does not fit, what to do, and the arguments that the function has."""
     parameters = list(inspect.signature(function).parameters.values())[takes_self:]
-    call = title.removesuffix(".__init__")
+    call = title.removesuffix(".__init__").removesuffix(".__new__")
     named = {p.name: p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
     ordered = [p.name for p in named.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     given = {*ordered[: len(args)], *kwargs}
@@ -112,7 +139,7 @@ def _explain(
     if twice is not None:
         return _join(f"{call}() got {twice!r} twice, once without its name", "", usage)
     missing = [p.name for p in named.values() if p.default is p.empty and p.name not in given]
-    return _join(f"{call}() needs {' and '.join(missing)}", "", usage)
+    return _join(f"{call}() needs {' and '.join(missing)}", advise_on_missing(call), usage)
 
 
 def _list_arguments(parameters: list[inspect.Parameter]) -> list[str]:

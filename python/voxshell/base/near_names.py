@@ -7,6 +7,7 @@ Nothing here costs time where a name is right: a class has a descriptor for each
 from __future__ import annotations
 
 import inspect
+import re
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 if TYPE_CHECKING:
@@ -29,6 +30,9 @@ _ABSENT = {
         "depth": "did you mean depths?",
         "normal": "did you mean normals?",
         "points": "did you mean points_a or points_b?",
+    },
+    "Joint": {
+        "limits": "its kind has them: joint.kind.limits",
     },
     "Model": {
         "mass": "a model has none; pass mass=... to World.add() or Model.mass_properties()",
@@ -55,6 +59,18 @@ _ABSENT = {
     },
 }
 """Names that a class does not have, and what to do instead."""
+
+_OF_PACKAGE = {
+    "createMultiBody": "call World.add(shape, mass=..., pose=...)",
+    "getContactPoints": "call World.contacts(), or voxshell.contacts(a, b) for two bodies without a world",
+    "load": "call voxshell.Model.load(path) or voxshell.Recording.load(path)",
+    "load_mesh": "call voxshell.Model.from_mesh(path)",
+    "load_model": "call voxshell.Model.load(path)",
+    "setGravity": "pass gravity=... to voxshell.World()",
+    "setTimeStep": "pass time_step=... to voxshell.World()",
+    "stepSimulation": "call World.step()",
+}
+"""Names that the package does not have, and what to do instead."""
 
 _READ_ONLY = {
     "Body": {"mass": _FIXED, "motion": _FIXED, "shape": _FIXED},
@@ -95,7 +111,14 @@ _UNNAMED = {
 }
 """What to do about too many arguments without names."""
 
+_MISSING = {
+    "Mesh": "a Mesh holds the arrays of model.mesh; for a model of a file, call Model.from_mesh(path)",
+}
+"""What to do about arguments that are missing in a call."""
+
 _SYNONYMS = {
+    "base_orientation": ("pose",),
+    "base_position": ("pose",),
     "dt": ("time_step",),
     "extents": ("half_extents",),
     "force": ("max_force",),
@@ -103,6 +126,8 @@ _SYNONYMS = {
     "height": ("length",),
     "length": ("height",),
     "orientation": ("xyzw", "pose"),
+    "pose_a": ("a_pose", "a_poses"),
+    "pose_b": ("b_pose", "b_poses"),
     "position": ("pose",),
     "rotation": ("pose",),
     "rpy": ("euler",),
@@ -192,12 +217,41 @@ def advise_on_argument(call: str, name: str, known: Collection[str]) -> str:
     advice = _ARGUMENTS.get(call, {}).get(name)
     if advice is not None:
         return advice
-    found = [synonym for synonym in _SYNONYMS.get(name, ()) if synonym in known]
+    spelled = _as_snake(name)
+    found = [synonym for synonym in _SYNONYMS.get(spelled, ()) if synonym in known]
     if not found:
         import difflib
 
-        found = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.7)
+        found = difflib.get_close_matches(spelled, sorted(known), n=1, cutoff=0.7)
     return f"did you mean {found[0]}?" if found else ""
+
+
+def advise_on_name(name: str, known: Collection[str]) -> str:
+    """Return what to use instead of a name that the package does not have; "" if unknown.
+
+    Example:
+        >>> advise_on_name("loadURDF", ["World", "load_mjcf", "load_urdf"])
+        'did you mean load_urdf?'
+        >>> advise_on_name("setGravity", ["World"])
+        'pass gravity=... to voxshell.World()'
+        >>> advise_on_name("__path__", ["World"])
+        ''
+    """
+    if name.startswith("_"):  # Python looks for such names by itself
+        return ""
+    advice = _OF_PACKAGE.get(name)
+    if advice is not None:
+        return advice
+    import difflib
+
+    spelled = {_as_snake(each): each for each in known}
+    found = difflib.get_close_matches(_as_snake(name), sorted(spelled), n=1, cutoff=0.7)
+    return f"did you mean {spelled[found[0]]}?" if found else ""
+
+
+def _as_snake(name: str) -> str:
+    """Return a name in lower case, with words parted: "loadURDF" is "load_urdf"."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def advise_on_unnamed(call: str, values: tuple[Any, ...]) -> str:
@@ -228,3 +282,15 @@ def find_closest(name: str, known: Iterable[str]) -> str | None:
 
     found = difflib.get_close_matches(name[:_MOST_LETTERS].lower(), sorted(known), 1)
     return found[0] if found else None
+
+
+def advise_on_missing(call: str) -> str:
+    """Return what to do about missing arguments; "" if unknown.
+
+    Example:
+        >>> advise_on_missing("Mesh")
+        'a Mesh holds the arrays of model.mesh; for a model of a file, call Model.from_mesh(path)'
+        >>> advise_on_missing("World.step")
+        ''
+    """
+    return _MISSING.get(call, "")

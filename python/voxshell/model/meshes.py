@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from voxshell.base.arguments import as_floats, as_path, as_positive, show_array, show_value
+from voxshell.base.calls import explain_calls
 from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix
 from voxshell.base.user_warnings import shorten_path
-from voxshell.errors import InputTypeError, MemoryLimitError, MeshError
+from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, MissingFileError
 from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ class MeshWarning(UserWarning):
     """A mesh has faults that were handled. The message says how many and where."""
 
 
+@explain_calls
 class Mesh(NamedTuple):
     """A triangle mesh as arrays: ``vertices, faces = model.mesh``.
 
@@ -162,7 +164,16 @@ def as_model_path(path: str | os.PathLike[str]) -> bytes:
     """Return the path of a model file to write, by whose suffix models are recognized."""
     place = as_path(path, "path")
     if not os.path.isdir(place):  # the core's error says that it is one
-        check_suffix(Path(os.fsdecode(place)), (MODEL_SUFFIX,), "a model file")
+        file = Path(os.fsdecode(place))
+        check_suffix(file, (MODEL_SUFFIX,), "a model file")
+        try:
+            os.stat(file.parent)
+        except (FileNotFoundError, NotADirectoryError):
+            raise MissingFileError(
+                f"cannot write {file}: folder does not exist: {file.parent}"
+            ) from None
+        except OSError:
+            pass  # the core's error says which
     return place
 
 

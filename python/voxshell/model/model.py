@@ -226,7 +226,8 @@ class Model:
 
         Raises:
             SettingsError: The suffix is another one.
-            FileAccessError: The file cannot be written: no such folder, no permission, disk full.
+            MissingFileError: Its folder does not exist.
+            FileAccessError: The file cannot be written: no permission, disk full.
             InputTypeError: ``path`` is not a path.
 
         Example:

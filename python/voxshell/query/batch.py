@@ -9,6 +9,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_threads, check_callable
+from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_pose_arrays, mend_poses
 from voxshell.errors import InputTypeError, PoseError
 from voxshell.query.contact_set import Contacts, name_shells
@@ -128,6 +129,7 @@ class ContactBatch:
         )
 
 
+@explain_calls
 def contacts_batch(
     a: Collidable,
     b: Collidable,
@@ -212,6 +214,7 @@ def contacts_batch(
     return ContactBatch(found)
 
 
+@explain_calls
 def collide_batch(
     a: Collidable,
     b: Collidable,

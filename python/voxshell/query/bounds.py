@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from voxshell import _core
+from voxshell.base.calls import explain_calls
 from voxshell.query.contact_set import ROLES
 from voxshell.query.pairs import as_shells, parts_of_pair
 
@@ -30,6 +31,7 @@ class ContactBounds(NamedTuple):
     miss: float
 
 
+@explain_calls
 def contact_bounds(a: Collidable, b: Collidable, *, shell: Shell = "auto") -> ContactBounds:
     """Return bounds that relate the contacts of two bodies to their meshes.
 

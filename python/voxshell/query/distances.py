@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
+from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_pose, mend_poses
 from voxshell.errors import PoseError
 from voxshell.query.pairs import Collidable, Shell, as_margin, as_pair, as_scratch
@@ -44,6 +45,7 @@ class Distance:
     shell: Literal["a", "b"] | None
 
 
+@explain_calls
 def distance(
     a: Collidable,
     b: Collidable,

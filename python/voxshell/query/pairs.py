@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -39,9 +40,14 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
     if isinstance(body, Field):
         return body._core, None
     *others, last = ("Model", *(kind.__name__ for kind in Field.__subclasses__()))
-    raise InputTypeError(
-        f"{name} must be a {', '.join(others)} or {last}, not {type(body).__name__}"
-    )
+    kind = type(body).__name__
+    if isinstance(body, (str, os.PathLike)):
+        hint = f"; build a model of the file: Model.from_mesh({os.fspath(body)!r})"
+    elif hasattr(body, "vertices") and hasattr(body, "faces"):  # trimesh's and ours
+        hint = "; build a model of the mesh: Model.from_mesh(mesh)"
+    else:
+        hint = ""
+    raise InputTypeError(f"{name} must be a {', '.join(others)} or {last}, not {kind}{hint}")
 
 
 def as_pair(a: Any, b: Any, shell: Any) -> tuple[Parts, _core.Shells]:

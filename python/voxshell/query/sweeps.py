@@ -9,6 +9,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_floats, as_length, as_threads
+from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_pose, as_pose_arrays, mend_poses
 from voxshell.errors import PoseError, SettingsError
 from voxshell.query.pairs import Collidable, Shell, as_margin, as_pair, as_scratch
@@ -88,6 +89,7 @@ class SweepBatch:
         return f"SweepBatch({len(self)} motions, {np.count_nonzero(self.touches)} of them touch)"
 
 
+@explain_calls
 def sweep(
     a: Collidable,
     b: Collidable,
@@ -210,6 +212,7 @@ def sweep(
     )
 
 
+@explain_calls
 def sweep_batch(
     a: Collidable,
     b: Collidable,

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from voxshell.base.arguments import as_flag, as_path, as_text
+from voxshell.base.calls import check_options
 from voxshell.base.notebook import make_frame, make_table
 from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.errors import MissingExtraError, RecordingError
@@ -164,7 +165,7 @@ class Recording:
 
         Raises:
             MissingExtraError: The viewer is not installed.
-            InputTypeError: ``title`` or ``label`` is not a text.
+            InputTypeError: ``title`` or ``label`` is not a text, or there is no such option.
             SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or an
                 option is invalid.
             FileAccessError: The file cannot be written, or its folder does not exist.
@@ -175,6 +176,7 @@ class Recording:
         from voxshell.viewer.lanes import Lane
         from voxshell.viewer.replay import save_replay
 
+        check_options("Recording.save_html", options, save_replay, ("title", "label"))
         return save_replay(place, [Lane(label, self)], title=title, **options)
 
     def __repr__(self) -> str:
@@ -239,6 +241,7 @@ class Recording:
         place = _as_place(path, (".mp4", ".gif"), "a video")
         from voxshell.viewer.video import save_video
 
+        check_options("Recording.save_video", options, save_video, ())
         return save_video(place, self, **options)
 
     def save_gltf(

@@ -15,6 +15,7 @@ from voxshell.model.shapes import Plane
 from voxshell.simulation.body import Body
 from voxshell.simulation.body_properties import make_properties
 from voxshell.simulation.body_shapes import as_shape, compute_mass_properties, make_geometry
+from voxshell.simulation.body_tuple import BodyTuple
 from voxshell.simulation.joint_frames import JointFrames, make_settings
 from voxshell.simulation.joints import Joint
 from voxshell.simulation.limits import check_extent, check_mass
@@ -82,7 +83,7 @@ class WorldContents:
             >>> {body.name: body for body in world.bodies}["ground"] is ground
             True
         """
-        return tuple(self._bodies)
+        return BodyTuple(self._bodies)
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -396,7 +397,9 @@ class WorldContents:
 
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):
-            raise InputTypeError(f"{name} must be a Body, not {type(body).__name__}")
+            kind = type(body).__name__
+            hint = "; pass one of its bodies, which robot.bodies lists" if kind == "Robot" else ""
+            raise InputTypeError(f"{name} must be a Body, not {kind}{hint}")
         check_own(body, self._simulation)
 
 

@@ -112,3 +112,47 @@ def test_a_name_that_is_far_from_all_has_no_neighbor():
     assert find_closest("siz", ("size", "pos")) == "size"
     assert find_closest("SIZE", ("size", "pos")) == "size"
     assert find_closest("x" * 100_000, ("size", "pos")) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("loadURDF", "did you mean load_urdf?"),
+        ("contact", "did you mean contacts?"),
+        ("Capsul", "did you mean Capsule?"),
+        ("load_model", "call voxshell.Model.load(path)"),
+        ("setGravity", "pass gravity=... to voxshell.World()"),
+    ],
+)
+def test_a_name_that_the_package_does_not_have_says_what_to_use(name: str, advice: str):
+    with pytest.raises(AttributeError) as caught:
+        getattr(vx, name)
+    assert str(caught.value) == f"module 'voxshell' has no attribute {name!r}: {advice}"
+    assert not hasattr(vx, name)
+
+
+def test_a_name_like_no_other_is_refused_as_ever():
+    for name in ("zzz", "__path_of__", "_contact"):
+        with pytest.raises(AttributeError) as caught:
+            getattr(vx, name)
+        assert str(caught.value) == f"module 'voxshell' has no attribute {name!r}"
+
+
+def test_what_the_package_does_not_have_is_not_public():
+    assert not set(near_names._OF_PACKAGE) & set(vx.__all__)
+
+
+def test_a_mesh_is_still_a_tuple_of_arrays(things):
+    mesh = things["Model"].mesh
+    assert pickle.loads(pickle.dumps(mesh))[1].tolist() == mesh.faces.tolist()
+    assert vx.Mesh(*mesh)._replace(faces=1).faces == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [("useFixedBase", "did you mean fixed_base?"), ("basePosition", "did you mean pose?")],
+)
+def test_arguments_of_pybullet_are_known_in_its_spelling(name: str, advice: str):
+    assert near_names.advise_on_argument("load_urdf", name, ["pose", "fixed_base"]) == advice
+    with pytest.raises(vx.InputTypeError, match=re.escape(f"{name!r}: {advice}")):
+        vx.load_urdf(vx.World(), "a.urdf", **{name: 1})

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -147,3 +150,24 @@ def test_a_wrong_scratch_is_refused(ball: vx.Model, query):
     for scratch in (1, "scratch", [], vx.QueryScratch):
         with pytest.raises(vx.InputTypeError, match="scratch must be a QueryScratch"):
             query(ball, vx.Plane(), scratch=scratch)
+
+
+@pytest.mark.parametrize(
+    ("body", "advice"),
+    [
+        ("part.stl", "not str; build a model of the file: Model.from_mesh('part.stl')"),
+        (Path("a/b.obj"), "; build a model of the file: Model.from_mesh('a/b.obj')"),
+        (trimesh.creation.box(), "not Trimesh; build a model of the mesh: Model.from_mesh(mesh)"),
+    ],
+)
+def test_a_mesh_is_no_body_and_the_error_says_how_to_build_one(ball: vx.Model, body, advice: str):
+    with pytest.raises(vx.InputTypeError, match=re.escape(advice)):
+        vx.contacts(body, ball)
+
+
+@pytest.mark.parametrize("query", [vx.contacts, vx.distance])
+def test_many_poses_for_a_single_query_are_refused_with_the_queries_of_many(ball: vx.Model, query):
+    with pytest.raises(
+        vx.PoseError, match=r"for many poses, call contacts_batch\(\) or collide_batch"
+    ):
+        query(ball, ball, a_pose=np.tile(np.eye(4), (3, 1, 1)))

@@ -6,7 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from voxshell.errors import MissingExtraError, RecordingError, SettingsError, VoxshellError
+from voxshell.errors import (
+    InputTypeError,
+    MissingExtraError,
+    RecordingError,
+    SettingsError,
+    VoxshellError,
+)
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 
 
@@ -94,3 +100,18 @@ def test_what_is_printed_has_no_arrays():
     assert repr(body) == "BodyTrack('flag', 3 vertices, 1 face, 3 frames, from frame 1 on, fixed)"
     assert repr(contacts) == "ContactTrack(3 frames, 1 contact, at most 2.5 mm deep)"
     assert repr(contacts.frame(0)) == "ContactTrack(1 frame, 0 contacts)"
+
+
+@pytest.mark.parametrize(("method", "name"), [("save_html", "a.html"), ("save_video", "a.gif")])
+def test_a_wrong_option_is_an_error_of_the_method_that_was_called(
+    tmp_path: Path, method: str, name: str
+):
+    recording = Recording(0.005, (body(),), ContactTrack.empty(2))
+    with pytest.raises(InputTypeError) as error:
+        getattr(recording, method)(tmp_path / name, tilte="a")
+    said = str(error.value)
+    assert said.startswith(
+        f"Recording.{method}() has no argument 'tilte': did you mean title? Call it as Recording.{method}(path, *, "
+    )
+    assert "lanes" not in said
+    assert list(tmp_path.iterdir()) == []

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -292,3 +293,17 @@ def test_every_pair_of_shapes_can_be_asked(kind, other):
     if "gimpact" not in (kind, other):
         assert world.overlaps(second, ground)
         assert not world.overlaps(first, ground)
+
+
+def test_a_robot_is_no_body_and_the_error_says_where_its_bodies_are(tmp_path: Path):
+    (tmp_path / "ball.urdf").write_text(
+        '<robot name="ball"><link name="a"><collision><geometry><sphere radius="0.1"/></geometry>'
+        "</collision></link></robot>"
+    )
+    world = vx.World()
+    robot = vx.load_urdf(world, tmp_path / "ball.urdf")
+    with pytest.raises(
+        vx.InputTypeError, match=r"not Robot; pass one of its bodies, which robot\.bod"
+    ):
+        world.contacts(robot)  # pyright: ignore[reportArgumentType]
+    assert len(world.contacts(robot.bodies[0])) == 0
