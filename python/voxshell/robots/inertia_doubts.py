@@ -46,7 +46,8 @@ def find_large_inertias(robot: RobotDescription, lumps: Iterable[Lump]) -> dict[
         if inertial is None or inertial.inertia is None:
             continue
         moment = float(np.linalg.eigvalsh(bound_moments(inertial.inertia))[2])
-        most = inertial.mass * find_reach(link, inertial.center) ** 2
+        reach = find_reach(link, inertial.center)
+        most = inertial.mass * reach * reach  # ** raises OverflowError
         if most > 0.0 and moment > _MOST_REACHES**2 * most:
             found[name] = moment / most
     return found

@@ -10,8 +10,15 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.robots.description import Collision, LinkDescription, Primitive
-from voxshell.robots.inertia_doubts import find_reach
+from voxshell.robots.description import (
+    Collision,
+    Inertial,
+    LinkDescription,
+    Primitive,
+    RobotDescription,
+)
+from voxshell.robots.inertia_doubts import find_large_inertias, find_reach
+from voxshell.robots.lumps import Lump
 
 DOMINO = (0.00635, 0.0254, 0.0508)
 BOX = '<collision><geometry><box size="{} {} {}"/></geometry></collision>'.format(*DOMINO)
@@ -118,3 +125,11 @@ def test_reach_of_primitives(kind, sizes, reach):
 
 def test_reach_without_geometry_is_0():
     assert find_reach(LinkDescription("a", "f:1", (), None, None), np.ones(3)) == 0.0
+
+
+def test_a_reach_whose_square_is_not_finite_is_no_doubt():
+    part = Collision(Primitive("sphere", (1e200,)), np.eye(4))
+    inertial = Inertial(1.0, np.zeros(3), np.eye(3))
+    link = LinkDescription("a", "f:1", (part,), inertial, None)
+    robot = RobotDescription("f", "r", {"a": np.eye(4)}, {"a": link})
+    assert find_large_inertias(robot, [Lump({"a": np.eye(4)})]) == {}

@@ -92,7 +92,7 @@ def read_joint(
     axis = normalize(element, "axis", element.numbers("axis", (3,)) or [0.0, 0.0, 1.0])
     x, y, z = (frame[:3, :3] @ axis).tolist()
     limits = None if kind == "floating" else _read_limits(element, compiler)
-    losses = _read_losses(element, place.name, left_out)
+    losses = _read_losses(element)
     damping, friction, armature = losses
     _note_left_out(element, kind, place.name, limits, losses, left_out)
     has_axis = kind in ("revolute", "prismatic")
@@ -125,8 +125,12 @@ def read_joint(
     )
 
 
-def _read_losses(element: Element, name: str, left_out: LeftOut) -> tuple[float, float, float]:
-    """Return damping, frictionloss and armature; 0 instead of one below 0, which would drive the joint."""
+def _read_losses(element: Element) -> tuple[float, float, float]:
+    """Return damping, frictionloss and armature.
+
+    Raises:
+        RobotError: One is below 0, with which the joint would gain energy.
+    """
     losses = {
         "damping": _read_first(element, "damping"),
         "frictionloss": element.number("frictionloss") or 0.0,
@@ -134,9 +138,11 @@ def _read_losses(element: Element, name: str, left_out: LeftOut) -> tuple[float,
     }
     for loss, value in losses.items():
         if value < 0.0:
-            left_out.note(f"joint {loss} below 0: used 0, correct its sign", f"{name}: {value:g}")
-    damping, frictionloss, armature = (max(value, 0.0) for value in losses.values())
-    return damping, frictionloss, armature
+            element.refuse(
+                f"has a {loss} of {value:g}, below 0, with which it would gain energy; correct its "
+                "sign, or set it to 0"
+            )
+    return losses["damping"], losses["frictionloss"], losses["armature"]
 
 
 def _read_first(element: Element, attribute: str) -> float:

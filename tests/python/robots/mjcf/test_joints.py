@@ -102,6 +102,8 @@ def test_the_strength_of_a_joint_is_its_actuator_force(load):
     [
         "type='screw'",
         "axis='0 0 0'",
+        "damping='-1'",
+        "armature='-1'",
         "limited='maybe'",
         "range='0'",
         "ref='x'",
@@ -113,12 +115,7 @@ def test_wrong_joints_are_refused(load, text):
 
 
 @pytest.mark.parametrize("loss", ["damping", "frictionloss", "armature"])
-@pytest.mark.parametrize("kind", ["hinge", "slide"])
-def test_a_loss_below_0_is_0_with_a_warning_as_mujoco_loads_it(write, loss, kind):
-    joint = f"<joint name='a' type='{kind}' {loss}='-0.25'/>"
-    path = write(f"<worldbody><body>{joint}{BALL}</body></worldbody>")
-    text = rf"joint {loss} below 0: used 0, correct its sign \('a: -0.25'\)"
-    with pytest.warns(vx.RobotWarning, match=text):
-        robot = vx.load_mjcf(vx.World(), path)
-    made = robot.joints["a"].kind
-    assert (made.damping, made.friction, made.armature) == (0.0, 0.0, 0.0)
+def test_a_loss_below_0_is_refused_with_its_name_and_value(load, loss):
+    text = f"joint 'a' has a {loss} of -0.25, below 0, .* correct its sign, or set it to 0"
+    with pytest.raises(vx.RobotError, match=text):
+        load(f"<joint name='a' {loss}='-0.25'/>")
