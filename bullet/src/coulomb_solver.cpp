@@ -264,7 +264,8 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
     const auto sliding = round < sticking_rounds ? IslandProblem::Sliding::kIgnored
                                                  : IslandProblem::Sliding::kCorrected;
     if (!problem_->solve(rows, stiffness, sliding)) break;
-    if (round == 0 && sum_of_normal_impulses(rows) > kMostPreload * pressed) {
+    const bool may_jam = round == 0 && rows.joints->size() > 0;
+    if (may_jam && sum_of_normal_impulses(rows) > kMostPreload * pressed) {
       best_->write(rows);
       sticking_rounds = 0;
       if (!problem_->solve(rows, stiffness, IslandProblem::Sliding::kCorrected)) break;

@@ -33,9 +33,10 @@ inline constexpr int kMostIdleRoundsOfHard = 5;
 /// Rounds before sliding is corrected for. They take all contacts to stick where they can.
 /// Smaller: a grip that could hold goes on sliding.
 inline constexpr int kStickingRounds = 3;
-/// None of them if contacts are pressed by more than this many times what sweeps had pressed them
-/// by: where a hinge or a slider holds a body flush with another one, both may press as hard as it
-/// takes to stick. Smaller: grips that are about to hold slide. Larger: doors stick.
+/// None of them in islands with joints if contacts are pressed by more than this many times what
+/// sweeps had pressed them by: where a hinge or a slider holds a body flush with another one, both
+/// may press as hard as it takes to stick. Smaller: grips that are about to hold slide. Larger:
+/// doors stick.
 inline constexpr double kMostPreload = 2.5;
 /// Sweeps after each round. They leave friction that is exactly Coulomb's.
 inline constexpr int kSweepsAfterRound = 3;
