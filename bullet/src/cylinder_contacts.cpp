@@ -88,12 +88,12 @@ void CylinderContacts::slide(std::vector<Feature>& features, const PairStep& ste
     if (features.size() <= touch.number) features.resize(touch.number + 1, {Vec3{}, 0.0});
     features[touch.number] = {touch.at.position, 0.0};
     const std::uint32_t id = kFirstFeature + touch.number;
-    // Between its ends, the side touches at right angles to its axis: with the normal of a bore that
-    // leans by as little as is not seen, rings sink into the rod that they glide along.
+    // Between its ends, the side touches at right angles to its axis: with the normal of a bore
+    // that leans by as little as is not seen, rings sink into the rod that they glide along.
     const bool is_between = std::abs(touch.at.along) < half_length_;
     const Vec3 outwards = is_between ? level(touch.at).outwards : touch.at.outwards;
-    contacts.push_back(contact_of(features[touch.number], id, static_cast<Vec3f>(outwards),
-                                  -touch.at.distance));
+    contacts.push_back(
+        contact_of(features[touch.number], id, static_cast<Vec3f>(outwards), -touch.at.distance));
     exact.push_back(id);
   }
   before_ = touches_;

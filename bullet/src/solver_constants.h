@@ -66,8 +66,8 @@ inline constexpr double kFlatSlope = 0.1;
 /// Islands whose matrix takes more multiplications than this to factorize keep to sweeps. Larger:
 /// heaps are slower. Smaller: towers of some tens of bodies rock.
 inline constexpr double kMostCost = 3e4;
-/// Islands of more bodies than this get fewer steps and rounds. Larger: heaps that tumble cost more.
-/// Smaller: towers that fall apart are left to sweeps.
+/// Islands of more bodies than this get fewer steps and rounds. Larger: heaps that tumble cost
+/// more. Smaller: towers that fall apart are left to sweeps.
 inline constexpr std::size_t kFewBodies = 12;
 /// An error is small if it is at most this fraction of the velocity that forces give a body.
 inline constexpr double kSmallOfForces = 0.1;

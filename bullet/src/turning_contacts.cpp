@@ -43,8 +43,8 @@ void TurningContacts::find_motions(const PairStep& step, const Turning& turning)
   motion.velocity_of_fall = {};
   motion.velocity = motion.velocity + apart * normal;
   motions_.push_back(motion);
-  motion.velocity = motion.velocity + step.motion.velocity_of_forces +
-                    turning.impact.approach_of_forces * normal;
+  motion.velocity =
+      motion.velocity + step.motion.velocity_of_forces + turning.impact.approach_of_forces * normal;
   motions_.push_back(motion);
 }
 
