@@ -8,8 +8,6 @@ from voxshell.base.arguments import FARTHEST, as_choice, as_integer, as_length, 
 from voxshell.errors import SettingsError
 
 _LARGEST_INT = 2**31 - 1
-_FINEST = 16_777
-"""Largest resolution: single precision places a point of a centered mesh within a 1,000th of a voxel up to here."""
 
 
 def as_settings(
@@ -45,7 +43,9 @@ def as_settings(
     return {
         "tolerance": 0.0 if tolerance is None else as_length(tolerance, "tolerance"),
         "voxel_size": 0.0 if voxel_size is None else as_length(voxel_size, "voxel_size"),
-        "resolution": 0 if resolution is None else as_integer(resolution, "resolution", 2, _FINEST),
+        "resolution": 0
+        if resolution is None
+        else as_integer(resolution, "resolution", 2, _LARGEST_INT),
         "point_spacing": 0.0
         if point_spacing is None
         else as_length(point_spacing, "point_spacing"),

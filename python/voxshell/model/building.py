@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from voxshell.model.meshes import MeshLike
 
 
+_FINEST = 16_777
+"""Largest resolution: single precision places a point of a centered mesh within a 1,000th of a voxel up to here."""
+
+
 class BuiltCore(NamedTuple):
     """A model's core and its mesh.
 
@@ -58,6 +62,11 @@ def build_core(
     with naming_file(mesh):
         arrays = read_mesh(mesh, scale)
     doubt = doubt_unit(mesh, arrays.vertices) if scale is None else ""
+    if settings["resolution"] > _FINEST:
+        raise MeshError(
+            f"a resolution of {settings['resolution']} is too fine for single precision, wherever the mesh's origin "
+            f"is; pass at most {_FINEST}"
+        )
 
     def build() -> CoreModel:
         return CoreModel.build(*arrays, **settings, threads=threads, progress=progress)
