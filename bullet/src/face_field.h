@@ -17,8 +17,8 @@ struct Facing {
 };
 
 /// What a direction is to be turned by for what it misses: Broyden's method (1965), the inverse of
-/// minus the derivative. Along a groove that is hardly wider than a ball, the normal turns almost
-/// with the direction, and across it hardly at all, so that one factor for both would not do.
+/// minus the derivative. Across a groove that is hardly wider than a ball, the normal turns almost
+/// with the direction, and along it hardly at all, so that one factor for both would not do.
 class Turn {
  public:
   Vec3 of(const Vec3& missed) const { return by_missed_ * missed; }
