@@ -217,13 +217,9 @@ def advise_on_argument(call: str, name: str, known: Collection[str]) -> str:
     advice = _ARGUMENTS.get(call, {}).get(name)
     if advice is not None:
         return advice
-    spelled = _as_snake(name)
-    found = [synonym for synonym in _SYNONYMS.get(spelled, ()) if synonym in known]
-    if not found:
-        import difflib
-
-        found = difflib.get_close_matches(spelled, sorted(known), n=1, cutoff=0.7)
-    return f"did you mean {found[0]}?" if found else ""
+    synonyms = _SYNONYMS.get(_as_snake(name), ())
+    meant = next((each for each in synonyms if each in known), None) or find_closest(name, known)
+    return f"did you mean {meant}?" if meant else ""
 
 
 def advise_on_name(name: str, known: Collection[str]) -> str:
@@ -242,11 +238,8 @@ def advise_on_name(name: str, known: Collection[str]) -> str:
     advice = _OF_PACKAGE.get(name)
     if advice is not None:
         return advice
-    import difflib
-
-    spelled = {_as_snake(each): each for each in known}
-    found = difflib.get_close_matches(_as_snake(name), sorted(spelled), n=1, cutoff=0.7)
-    return f"did you mean {spelled[found[0]]}?" if found else ""
+    meant = find_closest(name, known)
+    return f"did you mean {meant}?" if meant else ""
 
 
 def _as_snake(name: str) -> str:
@@ -270,7 +263,7 @@ def advise_on_unnamed(call: str, values: tuple[Any, ...]) -> str:
 
 
 def find_closest(name: str, known: Iterable[str]) -> str | None:
-    """Return the name that was probably meant, whether upper or lower case, or None.
+    """Return the name that was probably meant, whatever its case, or None.
 
     Example:
         >>> find_closest("colision", ["visual", "collision"])
@@ -280,8 +273,10 @@ def find_closest(name: str, known: Iterable[str]) -> str | None:
     """
     import difflib
 
-    found = difflib.get_close_matches(name[:_MOST_LETTERS].lower(), sorted(known), 1)
-    return found[0] if found else None
+    spelled = {_as_snake(each): each for each in known}
+    wanted = _as_snake(name[:_MOST_LETTERS])
+    found = difflib.get_close_matches(wanted, sorted(spelled), n=1, cutoff=0.65)
+    return spelled[found[0]] if found else None
 
 
 def advise_on_missing(call: str) -> str:

@@ -21,9 +21,8 @@ if TYPE_CHECKING:
 _LARGE_FIELD = 64.0  # megabytes; models by tolerance warn above this
 _COARSE = 5.0  # tolerances in the shortest side below which a tolerance is probably in millimeters
 _FAR_OFF = 4.0  # accepted error of the worst place, in tolerances; 1.4 is proven for closed meshes
-_SPARE = (
-    2.0  # factor on a tolerance that would just do, because errors jump with the size of voxels
-)
+# Factor on a tolerance that would just do, because errors jump with the size of voxels.
+_SPARE = 2.0
 
 
 class Finding(NamedTuple):

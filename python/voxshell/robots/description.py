@@ -147,7 +147,7 @@ class JointDescription:
         position: Position of the joint with the links as in the file.
         start: Initial position of the joint in a world.
         mimic: Name of the leader, multiplier, offset.
-        no_effort: Why the effort is None, if it is: what "the file ... for joint 'elbow'".
+        no_effort: Where the effort is None, what an error says between "the file" and "for joint 'elbow'".
     """
 
     name: str
