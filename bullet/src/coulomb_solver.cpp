@@ -42,6 +42,15 @@ btScalar spin_of_frame(const btSolverBody& a, const btSolverBody& b, const btVec
 
 bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpulse) == 0; }
 
+/// How hard all contacts are pressed together, N s.
+double sum_of_normal_impulses(const SolverPools& pools) {
+  double sum = 0.0;
+  for (int i = 0; i < pools.contacts->size(); ++i) {
+    sum += static_cast<double>(btScalar((*pools.contacts)[i].m_appliedImpulse));
+  }
+  return sum;
+}
+
 }  // namespace
 
 CoulombSolver::CoulombSolver(SolverEffort effort)
@@ -348,14 +357,6 @@ btScalar CoulombSolver::velocity_of_aims() const {
     add(row, row.m_rhs);
   }
   return largest;
-}
-
-double CoulombSolver::sum_of_normal_impulses(const SolverPools& pools) {
-  double sum = 0.0;
-  for (int i = 0; i < pools.contacts->size(); ++i) {
-    sum += static_cast<double>(btScalar((*pools.contacts)[i].m_appliedImpulse));
-  }
-  return sum;
 }
 
 SolverPools CoulombSolver::pools() {

@@ -83,7 +83,6 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   btScalar velocity_of_forces() const;
   btScalar velocity_of_aims() const;
   SolverPools pools();
-  static double sum_of_normal_impulses(const SolverPools& pools);
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
   void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
