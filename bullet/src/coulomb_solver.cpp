@@ -7,6 +7,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include "braced_contacts.h"
 #include "island_problem.h"
 #include "solver_constants.h"
 #include "squeezed_contacts.h"
@@ -42,15 +43,6 @@ btScalar spin_of_frame(const btSolverBody& a, const btSolverBody& b, const btVec
 
 bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpulse) == 0; }
 
-/// How hard all contacts are pressed together, N s.
-double sum_of_normal_impulses(const SolverPools& pools) {
-  double sum = 0.0;
-  for (int i = 0; i < pools.contacts->size(); ++i) {
-    sum += static_cast<double>(btScalar((*pools.contacts)[i].m_appliedImpulse));
-  }
-  return sum;
-}
-
 }  // namespace
 
 CoulombSolver::CoulombSolver(SolverEffort effort)
@@ -58,7 +50,8 @@ CoulombSolver::CoulombSolver(SolverEffort effort)
       problem_(std::make_unique<IslandProblem>()),
       best_(std::make_unique<SolverState>()),
       of_newton_(std::make_unique<SolverState>()),
-      squeezed_(std::make_unique<SqueezedContacts>()) {}
+      squeezed_(std::make_unique<SqueezedContacts>()),
+      braced_(std::make_unique<BracedContacts>()) {}
 
 CoulombSolver::~CoulombSolver() = default;
 
@@ -245,6 +238,8 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   const btScalar reference = of_forces > 0 ? of_forces : velocity_of_aims();
   const btScalar converged = static_cast<btScalar>(kConvergedOfForces) * reference;
   if (residual <= converged || rebounds_with_friction(of_forces)) return;
+  braced_->find(pools());
+  braced_->soften(pools(), info);
   if (problem_->prepare(pools()) && solve_by_newton(sweep, converged, reference)) return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
   for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
@@ -268,13 +263,13 @@ bool CoulombSolver::solve_by_newton(const Sweep& sweep, btScalar converged, btSc
   double stiffness = kFirstStiffness;
   int idle_rounds = 0;
   int sticking_rounds = kStickingRounds;
-  const double pressed = sum_of_normal_impulses(rows);
+  const double braced = braced_->sum_of_impulses(rows);
   for (int round = 0; round < most_rounds && idle_rounds < most_idle_rounds; ++round) {
     const auto sliding = round < sticking_rounds ? IslandProblem::Sliding::kIgnored
                                                  : IslandProblem::Sliding::kCorrected;
     if (!problem_->solve(rows, stiffness, sliding)) break;
-    const bool may_jam = round == 0 && rows.joints->size() > 0;
-    if (may_jam && sum_of_normal_impulses(rows) > kMostPreload * pressed) {
+    const bool may_jam = round == 0 && !braced_->empty();
+    if (may_jam && braced_->sum_of_impulses(rows) > kMostBracing * braced) {
       best_->write(rows);
       sticking_rounds = 0;
       if (!problem_->solve(rows, stiffness, IslandProblem::Sliding::kCorrected)) break;

@@ -33,11 +33,14 @@ inline constexpr int kMostIdleRoundsOfHard = 5;
 /// Rounds before sliding is corrected for. They take all contacts to stick where they can.
 /// Smaller: a grip that could hold goes on sliding.
 inline constexpr int kStickingRounds = 3;
-/// None of them in islands with joints if contacts are pressed by more than this many times what
-/// sweeps had pressed them by: where a hinge or a slider holds a body flush with another one, both
-/// may press as hard as it takes to stick. Smaller: grips that are about to hold slide. Larger:
-/// doors stick.
-inline constexpr double kMostPreload = 2.5;
+/// None of them if contacts of bodies that joints connect are then pressed by more than this many
+/// times what sweeps had pressed them by. Larger: doors stick.
+inline constexpr double kMostBracing = 1.5;
+/// Depth by which contacts of bodies that joints connect give way at the largest force, relative to
+/// half the diagonal of the smaller body's box. Smaller: doors stick to the ground that their
+/// hinges press them on by a micrometer, and to be pressed on it by more takes any force. Larger:
+/// motors press bodies into each other.
+inline constexpr double kBracedDepth = 1e-4;
 /// Sweeps after each round. They leave friction that is exactly Coulomb's.
 inline constexpr int kSweepsAfterRound = 3;
 /// Newton's steps a solve at most; a thousand contacts that slide apart need up to 75. Smaller: a

@@ -7,6 +7,7 @@
 
 namespace voxshell::bullet {
 
+class BracedContacts;
 class IslandProblem;
 class SolverState;
 class SqueezedContacts;
@@ -105,6 +106,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   std::unique_ptr<SolverState> best_;                                 ///< kept for its memory
   std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; the same
   std::unique_ptr<SqueezedContacts> squeezed_;                        ///< kept for its memory
+  std::unique_ptr<BracedContacts> braced_;                            ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet
