@@ -20,7 +20,7 @@ LEAST_RATIO = 20.0
 """How many times faster than coal a yes/no query at random poses is to be, median and mean."""
 
 
-def summarise(seconds: np.ndarray) -> dict[str, float]:
+def summarize(seconds: np.ndarray) -> dict[str, float]:
     """Of (repeats, poses) seconds, in microseconds.
 
     The median over poses of that over repeats; the median over repeats of the mean; the 99th
@@ -58,7 +58,7 @@ def make_rows(questions: dict[str, Any]) -> dict[str, Any]:
     whose answers differ from coal's with its settings as they come.
     """
     answers = {name: np.array(asked["answers"]) for name, asked in questions.items()}
-    figures = {name: summarise(np.array(asked["seconds"])) for name, asked in questions.items()}
+    figures = {name: summarize(np.array(asked["seconds"])) for name, asked in questions.items()}
     usual = answers[AS_IT_COMES]
     ways = {
         name: figures[name]

@@ -94,7 +94,7 @@ const TriangleMesh& Bodies::bunny_mesh() {
     for (const Vec3& v : soup.vertices) bounds.extend(v);
     const double longest = bounds.extents()[bounds.longest_axis()];
     for (Vec3& v : soup.vertices) {
-      v = (settings_.bunny_length / longest) * (v - bounds.centre());
+      v = (settings_.bunny_length / longest) * (v - bounds.center());
     }
     auto mesh = TriangleMesh::create(soup.vertices, soup.triangles);
     if (!mesh) give_up(settings_.bunny_path + ": " + mesh.error().message);
@@ -148,7 +148,7 @@ Vec3 Bodies::bunny_core() {
   if (!core_) {
     constexpr int kSteps = 32;  // of each finer grid about the deepest place so far
     const Bounds& bounds = bunny().bounds();
-    Vec3 core = bounds.centre();
+    Vec3 core = bounds.center();
     Vec3 extents = bounds.extents();
     const auto search = [&](const auto& field) {
       for (int pass = 0; pass < 3; ++pass) {

@@ -104,7 +104,7 @@ def place(
     rate: float,
     **settings,
 ) -> tuple[vx.World, vx.Body, np.ndarray]:
-    """The body at rest on a ground whose gravity leans by `slope` towards `heading`, radians.
+    """The body at rest on a ground whose gravity leans by `slope` toward `heading`, radians.
 
     Returns:
         World, body and the heading's unit vector.
@@ -132,19 +132,19 @@ def stop(name: str, ground: str, *, speed: float = 1.0, friction: float = 0.5, r
     """Way from `speed`, m/s, until it stands, of that of the same steps."""
     world, body, along = place(name, ground, slope=0.0, friction=friction, rate=rate, **k)
     world.step(round(0.2 * rate))
-    start = centre(body)
+    start = center(body)
     body.linear_velocity = speed * along
     world.step(math.ceil(1.5 * speed / (friction * GRAVITY) * rate) + 5)
-    return float((centre(body) - start) @ along) / run_out(speed, friction, rate)
+    return float((center(body) - start) @ along) / run_out(speed, friction, rate)
 
 
-def centre(body: vx.Body) -> np.ndarray:
-    """The centre of mass, metres, world frame."""
+def center(body: vx.Body) -> np.ndarray:
+    """The center of mass, meters, world frame."""
     return (body.pose @ [*body.shape.mass_properties(1.0).center_of_mass, 1.0])[:3]
 
 
 def run_out(speed: float, friction: float, rate: float) -> float:
-    """The sum of what a body that loses friction * g / rate a step moves, metres."""
+    """The sum of what a body that loses friction * g / rate a step moves, meters."""
     way = 0.0
     while speed > 0.0:
         speed -= friction * GRAVITY / rate
@@ -166,9 +166,9 @@ def creep(
     slope = fraction * math.atan(friction)
     world, body, _ = place(name, ground, slope=slope, friction=friction, rate=rate, **k)
     world.step(round(rate))
-    start = centre(body)
+    start = center(body)
     world.step(round(seconds * rate))
-    return float(np.linalg.norm(centre(body) - start))
+    return float(np.linalg.norm(center(body) - start))
 
 
 def build_stack(solver: str) -> vx.World:

@@ -24,7 +24,7 @@ import coal
 import numpy as np
 import trimesh
 import voxshell as vx
-from beside_coal import LEAST_RATIO, judge, make_rows, run_program, summarise
+from beside_coal import LEAST_RATIO, judge, make_rows, run_program, summarize
 from machine import ROOT, describe_machine
 from voxshell_studies.scenes.bunny import find_bunny
 
@@ -190,7 +190,7 @@ def main(arguments: list[str]) -> int:
             for label, threads in (("one thread", 1), ("all cores", None))
         }
         seconds = time_in_turn(calls | batches, options.repeats)
-        cases = {name: summarise(seconds[name]) for name in calls}
+        cases = {name: summarize(seconds[name]) for name in calls}
         for name in batches:
             cases[name] = {"mean_us": 1e6 * float(np.median(seconds[name])) / len(poses)}
         for peer, group in (("coal, C++", rows["cases"]), ("coal, calls", cases)):
@@ -221,7 +221,7 @@ def main(arguments: list[str]) -> int:
             "voxshell": lambda _: vx.collide(model, our_sphere, far, identity),
         }
         return {
-            name: summarise(seconds)["median_us"]
+            name: summarize(seconds)["median_us"]
             for name, seconds in time_in_turn(
                 {name: (ask, [None] * options.poses) for name, ask in asks.items()}, options.repeats
             ).items()

@@ -9,7 +9,7 @@
 
 namespace voxshell::benchmarks {
 
-/// Metres; negative: clearance.
+/// Meters; negative: clearance.
 struct DepthRange {
   double low;
   double high;
@@ -25,7 +25,7 @@ std::vector<Pose> make_resting_poses(Bodies& bodies, std::size_t count);
 
 /// From where one bunny is drawn out of the other.
 enum class DrawnFrom {
-  kCentres,  ///< of their bounds, one in the other
+  kCenters,  ///< of their bounds, one in the other
   kCore,     ///< a random point of the shell in the deepest place of the other: reaches any depth
 };
 

@@ -52,7 +52,7 @@ class TrueDepth {
   const Field& field_;
   const PointShell& finest_;
   ClosestPointTree closest_;
-  double doubt_;  ///< how far the field may be off, metres
+  double doubt_;  ///< how far the field may be off, meters
 };
 
 /// How far the deepest contact that is reported is from the true depth, with the bunny's shell or
@@ -109,7 +109,7 @@ void register_query_cases(Bodies& bodies) {
   const auto resting_on = [&](const Field& plane, const PointShell& shell) {
     return Scene{&plane, &shell, make_resting_poses(bodies, settings.poses), {}};
   };
-  const auto pair = [&](DepthRange range, DrawnFrom drawn_from = DrawnFrom::kCentres) {
+  const auto pair = [&](DepthRange range, DrawnFrom drawn_from = DrawnFrom::kCenters) {
     const Model& bunny = bodies.bunny();
     return Scene{
         &bunny.field(),

@@ -39,7 +39,7 @@ void register_scaling_cases(Bodies& bodies) {
       return Scene{
           &field,
           &shell,
-          make_pair_poses(bodies, field, shell, {0.0005, 0.002}, DrawnFrom::kCentres, poses),
+          make_pair_poses(bodies, field, shell, {0.0005, 0.002}, DrawnFrom::kCenters, poses),
           {}};
     });
   }

@@ -8,7 +8,7 @@ namespace voxshell::benchmarks {
 /// What all cases share.
 struct Settings {
   std::string bunny_path = "/usr/share/glmark2/models/bunny.obj";
-  double bunny_length = 0.3;        ///< along its longest side, metres
+  double bunny_length = 0.3;        ///< along its longest side, meters
   int resolution = 300;             ///< voxels along that side
   std::size_t fine_points = 34835;  ///< as many as the mesh has vertices
   std::size_t coarse_points = 799;

@@ -57,7 +57,7 @@ def bunny_motions(
     """Where a begins, where it ends, where b stands."""
     rng = np.random.default_rng(1)
     size = float(np.ptp(mesh.vertices, axis=0).max())
-    centre = mesh.vertices.mean(axis=0)
+    center = mesh.vertices.mean(axis=0)
     for _ in range(MOTIONS):
         start, standing = (random_rotation_matrix(rng.random(3)) for _ in range(2))
         along = rng.normal(size=3)
@@ -67,9 +67,9 @@ def bunny_motions(
         end = start.copy()
         if turns:
             end = rotation_matrix(rng.uniform(0.0, 1.5), rng.normal(size=3)) @ start
-        start[:3, 3] = aside - 1.5 * size * along - start[:3, :3] @ centre
-        end[:3, 3] = aside - 0.5 * size * along - end[:3, :3] @ centre
-        standing[:3, 3] = -standing[:3, :3] @ centre
+        start[:3, 3] = aside - 1.5 * size * along - start[:3, :3] @ center
+        end[:3, 3] = aside - 0.5 * size * along - end[:3, :3] @ center
+        standing[:3, 3] = -standing[:3, :3] @ center
         yield start, end, standing
 
 

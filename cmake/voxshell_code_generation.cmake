@@ -5,7 +5,7 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # no fast-math. No -march either: kernels choose their instruction set at run time.
   add_compile_options(-ffp-contract=off)
   add_compile_options(-fstack-protector-strong)
-  # Fortify needs an optimiser and blinds the address sanitizer; some compilers predefine it, hence the -U.
+  # Fortify needs an optimizer and blinds the address sanitizer; some compilers predefine it, hence the -U.
   if(NOT VOXSHELL_SANITIZE)
     add_compile_options(
       "$<$<NOT:$<CONFIG:Debug>>:SHELL:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>")

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!model) return 0;
   static QueryScratch scratch;
   const Pose pose{{{1, 0, 0}, {0, 0.6, -0.8}, {0, 0.8, 0.6}}, {0.05, -0.02, 0.03}};
-  constexpr float kMargin = 0.1f;  // metres: nearly all points
+  constexpr float kMargin = 0.1f;  // meters: nearly all points
   find_contacts(model->field(), fuzz::small_model().shell(), pose, {.margin = kMargin}, scratch);
   find_contacts(fuzz::small_model().field(), model->shell(), pose, {.margin = kMargin}, scratch);
   return 0;

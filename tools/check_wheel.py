@@ -9,8 +9,8 @@ Bullet where that is installed,
 with all symbols of these in everybody's sight. Fails if the world does not end the same in each
 case, if the wheel brings or loads shared libraries of Bullet, if a module shows other symbols than the one
 that Python calls, if Bullet calls functions of the C library whose last bits differ between processors,
-if the wheel is 6 MB or larger, if its bill of materials or a licence of what is on it
-is missing, or if it brings packages whose licences ask something of programs that use them.
+if the wheel is 6 MB or larger, if its bill of materials or a license of what is on it
+is missing, or if it brings packages whose licenses ask something of programs that use them.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from pathlib import Path
 
 MOST_BYTES = 6_000_000
 # Of what `pip install voxshell` brings: what asks nothing of programs that use it.
-LICENCES = re.compile(
+LICENSES = re.compile(
     r"\b(MIT|0?BSD|Apache|ISC|PSF|Python Software Foundation|Zlib)\b", re.IGNORECASE
 )
-TELL_LICENCES = """
+TELL_LICENSES = """
 from importlib.metadata import distributions
 for package in distributions():
     told = [package.metadata["License-Expression"], package.metadata["License"]]
@@ -62,12 +62,12 @@ def main(arguments: list[str]) -> int:
         company_here = COMPANY if _add_pybullet(python, constraints) else ("nobody", "the system's")
         # Nothing of this checkout, and no settings that could bring another copy.
         environment = {"PATH": os.defpath, "HOME": folder, "LANG": "C.UTF-8"}
-        licences = subprocess.run(
-            [str(python), "-I", "-c", TELL_LICENCES], check=True, capture_output=True, text=True
+        licenses = subprocess.run(
+            [str(python), "-I", "-c", TELL_LICENSES], check=True, capture_output=True, text=True
         ).stdout.splitlines()
-        unknown = [line for line in licences if not LICENCES.search(line)]
+        unknown = [line for line in licenses if not LICENSES.search(line)]
         if unknown:
-            print("packages that come with it have other licences: " + "; ".join(unknown))
+            print("packages that come with it have other licenses: " + "; ".join(unknown))
             return 1
         results = set()
         for company in company_here:
@@ -106,7 +106,7 @@ def find_fault(wheel: Path) -> str | None:
     foreign = sorted(set(foreign) - set(modules))
     if foreign:
         return f"{wheel.name} holds what is no part of the package: {', '.join(foreign)}"
-    lacking = _lacking_licences(wheel)
+    lacking = _lacking_licenses(wheel)
     if lacking:
         return f"{wheel.name} says nothing of {', '.join(lacking)}"
     for name in modules:
@@ -121,18 +121,18 @@ def find_fault(wheel: Path) -> str | None:
     return None
 
 
-def _lacking_licences(wheel: Path) -> list[str]:
-    """Parts that do not have both an entry with a version in the bill of materials, and a licence."""
+def _lacking_licenses(wheel: Path) -> list[str]:
+    """Parts that do not have both an entry with a version in the bill of materials, and a license."""
     with zipfile.ZipFile(wheel) as archive:
         [bill] = [n for n in archive.namelist() if n.endswith("/sboms/voxshell.cdx.json")]
         parts = {part["bom-ref"]: part for part in json.loads(archive.read(bill))["components"]}
         names = [Path(name) for name in archive.namelist() if "/licenses/licenses/" in name]
-        licences = {name.stem for name in names if name.suffix == ".txt"}
+        licenses = {name.stem for name in names if name.suffix == ".txt"}
     expected = {"bullet", "nanobind", "robin-map"}
     versioned = {
         name for name, part in parts.items() if re.fullmatch(r"\d+(\.\d+)+", part["version"])
     }
-    return sorted((expected ^ versioned) | (expected ^ licences))
+    return sorted((expected ^ versioned) | (expected ^ licenses))
 
 
 def _symbols(wheel: Path, name: str, which: str) -> set[str]:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Runs clang-tidy on the libraries and the Python modules, on what changed since it last passed.
 
-A source that is compiled for several builds of Bullet is analysed once, as the first of them.
+A source that is compiled for several builds of Bullet is analyzed once, as the first of them.
 
 usage: tools/run_clang_tidy.py [--deep] CLANG_TIDY BUILD_DIR
 
 --deep also follows the paths that a program can take (clang-analyzer), for four times as long.
 
 BUILD_DIR is a finished Ninja build: it knows the compile commands and which headers each source
-includes. The tests are not analysed: they are compiled with all warnings, and run.
+includes. The tests are not analyzed: they are compiled with all warnings, and run.
 
 What passed is noted in ~/.cache/voxshell/clang-tidy, for all checkouts: by a hash of the source, of all headers that it
 includes, the system's among them, of its compile command and of the settings.
@@ -30,7 +30,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-ANALYSED = ("core/", "bullet/", "python/bindings/")
+ANALYZED = ("core/", "bullet/", "python/bindings/")
 # A new version of the tool or of the settings asks for a new look.
 SETTINGS = (".clang-tidy", "tools/constraints.txt", "tools/run_clang_tidy.py")
 KEPT_DAYS = 60  # after which nobody has asked for what passed
@@ -42,7 +42,7 @@ def own_path(path: str, build: Path) -> str | None:
     if not absolute.is_relative_to(ROOT):
         return None
     name = absolute.relative_to(ROOT).as_posix()
-    return name if name.startswith(ANALYSED) else None
+    return name if name.startswith(ANALYZED) else None
 
 
 def included_by_object(build: Path) -> dict[str, set[Path]]:
@@ -113,7 +113,7 @@ def main(arguments: list[str]) -> int:
     passed = find_passed()
     commands = commands_by_source(build)
     keys = keys_by_source(build, commands, checks)
-    # clang-tidy analyses a source once for each entry that it finds.
+    # clang-tidy analyzes a source once for each entry that it finds.
     database = build / "clang-tidy"
     database.mkdir(exist_ok=True)
     (database / "compile_commands.json").write_text(json.dumps(list(commands.values())))
@@ -121,7 +121,7 @@ def main(arguments: list[str]) -> int:
         print(f"{build}/compile_commands.json names none of our sources")
         return 1
 
-    def analyse(name: str) -> bool:
+    def analyze(name: str) -> bool:
         # Warnings are the compiler's: clang does not know all of them, and has others.
         result = subprocess.run(
             [
@@ -147,7 +147,7 @@ def main(arguments: list[str]) -> int:
         else:
             changed.append(name)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        good = list(pool.map(analyse, changed))
+        good = list(pool.map(analyze, changed))
     return 0 if all(good) else 1
 
 

@@ -28,7 +28,7 @@ Pose world_from_model(const btCollisionObjectWrapper& wrap, const ModelShape& sh
 
 Ball ball_about(const btCollisionObjectWrapper& wrap, const ModelShape* model) {
   if (model == nullptr) return Ball::about(wrap);
-  return {world_from_model(wrap, *model).transform_point(model->ball_centre()),
+  return {world_from_model(wrap, *model).transform_point(model->ball_center()),
           model->ball_radius()};
 }
 
@@ -64,7 +64,7 @@ bool are_apart(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper
     if (model != nullptr) reach += most_above_samples(model->model());
   }
   const double between = ball_a.radius + ball_b.radius + reach;
-  if (squared_length(ball_a.centre - ball_b.centre) > between * between) return true;
+  if (squared_length(ball_a.center - ball_b.center) > between * between) return true;
   return (model_a != nullptr && are_boxes_apart(a, *model_a, b, reach)) ||
          (model_b != nullptr && are_boxes_apart(b, *model_b, a, reach));
 }

@@ -14,7 +14,7 @@ namespace voxshell::bullet {
 class Arrivals {
  public:
   /// @param is_of_field  Of the field's side, as the shell's sees it.
-  /// @param reach        Places as near as this count as touching, metres.
+  /// @param reach        Places as near as this count as touching, meters.
   Arrivals(const PairStep& step, bool is_of_field, double reach);
 
   std::span<const Arrival> all() const { return std::span(all_).first(count_); }

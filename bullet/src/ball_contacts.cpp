@@ -64,9 +64,9 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
   for (std::size_t first = 0; first < features.size(); first += kBallIds) {
     const Feature ball = features[first];
     balls_.push_back({ball.place, ball.radius, normalized(ball.place - middle)});
-    const auto of_centre = static_cast<double>(grid.distance(static_cast<Vec3f>(ball.place)));
+    const auto of_center = static_cast<double>(grid.distance(static_cast<Vec3f>(ball.place)));
     // Far from the surface a grid's distances are rough: those of balls are found near it.
-    if (!(of_centre < margin + (1.0 + kBallSlack) * ball.radius)) continue;
+    if (!(of_center < margin + (1.0 + kBallSlack) * ball.radius)) continue;
     const std::size_t first_touch = touches_.size();
     const auto nearest = hold_ball(ball, middle, margin, grid);
     bool is_exact = slides;
@@ -83,9 +83,9 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
       if (!is_exact) facing = {position, outwards, nearest->distance};
       if (facing->distance < margin) touches_.push_back(*facing);
     }
-    // Between two walls, no way leads from the centre to either. What is about the centre of a ball
+    // Between two walls, no way leads from the center to either. What is about the center of a ball
     // that is in the model is no wall that it lies on.
-    if ((is_exact || !nearest) && of_centre > 0.0) find_all(balls_.back(), first_touch, margin);
+    if ((is_exact || !nearest) && of_center > 0.0) find_all(balls_.back(), first_touch, margin);
     std::array<bool, kBallIds> is_taken{};
     for (std::size_t i = first_touch; i < touches_.size(); ++i) {
       const Facing& of = touches_[i];
@@ -106,7 +106,7 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
 std::optional<Facing> BallContacts::face(const Ball& ball, const Vec3& direction) {
   return face_field(
       direction, {}, std::numeric_limits<double>::infinity(), field_.faces_within(),
-      [&](const Vec3& along) { return std::optional(ball.centre + ball.radius * along); },
+      [&](const Vec3& along) { return std::optional(ball.center + ball.radius * along); },
       [&](const Vec3& position) {
         const SmoothField::Value there = field_.at(position);
         return Facing{position, there.outwards, there.distance};
@@ -124,11 +124,11 @@ bool BallContacts::is_known(std::size_t first, const Vec3& position) const {
 /// But those of touches_ from the first one on.
 void BallContacts::find_all(const Ball& ball, std::size_t first, double margin) {
   for (const Vec3& start : kStarts) {
-    const SmoothField::Value there = field_.at(ball.centre + ball.radius * start);
+    const SmoothField::Value there = field_.at(ball.center + ball.radius * start);
     if (there.distance - kBetweenStarts * ball.radius > margin) continue;
     const auto facing = face(ball, start);
     if (!facing || !(facing->distance < margin) || is_known(first, facing->position)) continue;
-    // Behind the centre, it is the back of a wall.
+    // Behind the center, it is the back of a wall.
     if (facing->distance <= -ball.radius || !is_outside(ball, -facing->outwards)) continue;
     touches_.push_back(*facing);
   }
@@ -164,7 +164,7 @@ void BallContacts::drop_covered(std::vector<Contact>& contacts, const PointShell
              });
     }
     for (const Ball& ball : balls_) {
-      const Vec3 arm = point - ball.centre;
+      const Vec3 arm = point - ball.center;
       const double off = length(arm) - ball.radius;
       const bool is_of_ball = std::abs(off + static_cast<double>(contact.depth)) <= same_within_;
       if (!is_of_ball || !is_outside(ball, normalized(arm))) continue;

@@ -16,7 +16,7 @@ namespace voxshell::bullet {
 /// surface faces them. A ball may lie in a groove, and touches each wall of it.
 class BallContacts {
  public:
-  /// Appends those that are deeper than -`margin`, metres.
+  /// Appends those that are deeper than -`margin`, meters.
   ///
   /// @param features  Of find_features(); that of each contact is made what is to be followed: the
   /// ball where it is nearest to the model, and places of it elsewhere.
@@ -35,8 +35,8 @@ class BallContacts {
 
  private:
   struct Ball {
-    Vec3 centre;    ///< metres, the model's frame
-    double radius;  ///< metres
+    Vec3 center;    ///< meters, the model's frame
+    double radius;  ///< meters
     Vec3 out;       ///< out of a capsule, unit length; zero of a whole ball
   };
 
@@ -47,8 +47,8 @@ class BallContacts {
   void find_all(const Ball& ball, std::size_t first, double margin);
 
   SmoothField field_;
-  double same_within_ = 0.0;      ///< metres
-  double followed_within_ = 0.0;  ///< metres
+  double same_within_ = 0.0;      ///< meters
+  double followed_within_ = 0.0;  ///< meters
   std::vector<Ball> balls_;
   std::vector<Facing> touches_;
   std::vector<Vec3> edges_;  ///< places of contacts

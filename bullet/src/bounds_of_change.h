@@ -7,7 +7,7 @@
 
 namespace voxshell::bullet {
 
-/// No place within a radius of `middle` moves farther from one pose to the other, metres.
+/// No place within a radius of `middle` moves farther from one pose to the other, meters.
 inline double bound_displacement(const Pose& from, const Pose& to, const Vec3& middle,
                                  double radius) {
   const double turn = std::sqrt(squared_length(to.rotation.row_x - from.rotation.row_x) +

@@ -41,7 +41,7 @@ std::optional<Vec3> find_farthest(std::span<const CarryingPlace> places,
 }
 
 /// Whether the convex hull of these places comes within `aside` of the middle. A line between two
-/// of its corners moves towards the middle, as in the algorithm of Gilbert, Johnson and Keerthi.
+/// of its corners moves toward the middle, as in the algorithm of Gilbert, Johnson and Keerthi.
 bool spans(std::span<const CarryingPlace> places, const CarryingPlace& middle, double aside) {
   std::optional<Vec3> a = find_farthest(places, middle, {});
   if (!a) return false;

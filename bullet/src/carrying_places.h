@@ -8,7 +8,7 @@ namespace voxshell::bullet {
 
 /// A place at which a contact pushes, or may push, a body.
 struct CarryingPlace {
-  Vec3 place;   ///< metres
+  Vec3 place;   ///< meters
   Vec3 normal;  ///< unit length
   double impulse;
 };
@@ -20,7 +20,7 @@ struct CarryingPlaces {
   std::vector<CarryingPlace> now;
 
   /// Whether places of now span the middle of those before, weighted by their impulses, or lie
-  /// within `aside` metres of it; for each direction of the impulses, up to a fraction of their
+  /// within `aside` meters of it; for each direction of the impulses, up to a fraction of their
   /// sum. Empties `before`.
   bool can_carry_on(double aside);
 };

@@ -9,7 +9,7 @@
 namespace voxshell::bullet {
 
 /// How far a moving thing is from touching, and how far it can move, in any direction, without
-/// touching. Metres.
+/// touching. Meters.
 struct Clearance {
   double gap;
   double safe_displacement;
@@ -18,7 +18,7 @@ struct Clearance {
 /// Where on its way a moving thing first touches.
 struct Advance {
   double fraction;  ///< of the displacement
-  double gap;       ///< that is left there, metres
+  double gap;       ///< that is left there, meters
 };
 
 /// Conservative advancement (Mirtich 1996): moves by what is safe until the gap is at most
@@ -26,7 +26,7 @@ struct Advance {
 /// kMostAdvances are not enough, the way counts as touching where they end, with the gap there.
 ///
 /// @param measure  The Clearance at a fraction of the displacement.
-/// @param length   No part of the moving thing moves farther, metres.
+/// @param length   No part of the moving thing moves farther, meters.
 template <class Measure>
 std::optional<Advance> advance(double length, double touching, double end, const Measure& measure) {
   Advance reached{0.0, 0.0};

@@ -162,11 +162,11 @@ inline constexpr double kStillOfMargin = 0.15;
 inline constexpr double kCarriedWithin = 0.1;
 /// Where a light body lies between heavy ones, the solver may leave this fraction of what they
 /// press it with. Larger: bodies below ten times their weight use CCD at low rates, and take
-/// longer. Smaller: bricks below a thousand times theirs move by half a millimetre at 30 Hz.
+/// longer. Smaller: bricks below a thousand times theirs move by half a millimeter at 30 Hz.
 inline constexpr double kUnsolvedOfLoad = 1e-3;
 /// Contacts are not searched for again while the pair, and what it moves by in a step, have changed
 /// by at most this fraction of the rest margin. Half of kIdleOfMargin: what was left out is not
-/// deeper by then than what was the deepest. 0: stacks that tremble by nanometres are searched in
+/// deeper by then than what was the deepest. 0: stacks that tremble by nanometers are searched in
 /// every step; 0.01: heaps that creep are, in every other one. Decision 47.
 inline constexpr double kKeptOfMargin = 0.1;
 /// The same where contacts are not followed, as those of features of Bullet's shapes.
@@ -377,7 +377,7 @@ inline constexpr double kEdgeWithin = 0.1;
 inline constexpr double kEdgeOfSpacing = 0.5;
 /// Most ways along a straight surface in turn.
 inline constexpr int kMostStraight = 4;
-/// Most slides of a contact in turn, each towards the field's normal where the last one ended.
+/// Most slides of a contact in turn, each toward the field's normal where the last one ended.
 inline constexpr int kMostSlides = 8;
 /// A slide that leads out of the field by more than this fraction of the rest margin is none: the
 /// field's surface bends away.
@@ -392,9 +392,9 @@ inline constexpr int kMostZeroSteps = 24;
 inline constexpr int kMostFlatSteps = 5;
 /// A normal beside an edge is that of a face of it where its cosine with the edge is below this.
 inline constexpr double kFaceOfEdge = 0.1;
-/// An edge touches where no face beside it leads towards the round body by more than this sine.
+/// An edge touches where no face beside it leads toward the round body by more than this sine.
 /// 0: by rounding, a cylinder that lies across a bar touches neither edge of it. Larger: what rolls
-/// towards an edge is braked by it.
+/// toward an edge is braked by it.
 inline constexpr double kLeansOverFace = 5e-3;
 
 // ---- facing normals -----------------------------------------------------------------------------

@@ -10,20 +10,20 @@
 
 namespace voxshell::bullet {
 
-/// A contact as Bullet wants it, between the wrapped objects a and b. Metres, world frame.
+/// A contact as Bullet wants it, between the wrapped objects a and b. Meters, world frame.
 struct WorldContact {
   std::uint32_t id;  ///< of the shell's point, a feature (kFirstFeature) or a cell of triangles
   Vec3 point_a;      ///< where the place that touches is now; see Sliding
   Vec3 point_b;
-  Vec3 normal;                    ///< unit, on b, pointing towards a
+  Vec3 normal;                    ///< unit, on b, pointing toward a
   double depth;                   ///< positive where the bodies overlap
   double restitution = 0.0;       ///< what the solver is to take for it
   double first_impulse = 0.0;     ///< where the solver is to start if the point is new, N s
-  double rolling_friction = 0.0;  ///< at least that of the objects, metres
+  double rolling_friction = 0.0;  ///< at least that of the objects, meters
   double turning_speed = 0.0;     ///< see TurningContacts
   bool carries_on = false;  ///< the solver is to start from all of the impulse of the step before
   bool is_resting = false;
-  /// Of resting bodies: how far a has slipped on b since they took hold of each other, metres.
+  /// Of resting bodies: how far a has slipped on b since they took hold of each other, meters.
   Vec3 slip{};
 };
 
@@ -48,7 +48,7 @@ class ManifoldFiller {
   /// Replaces the points of `manifold`, which is of a and b in any order, by `contacts` (at most
   /// four). The impulses of points whose id it held before are carried over, so that the solver
   /// starts warm. Other material properties are those of the two objects, and Bullet's contact
-  /// callbacks are honoured.
+  /// callbacks are honored.
   void fill(btPersistentManifold& manifold, std::span<const WorldContact> contacts) const;
 
  private:

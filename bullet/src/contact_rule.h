@@ -19,7 +19,7 @@ namespace voxshell::bullet {
 /// Of a contact that slides until the bodies touch: see Sliding.
 struct Aside {
   std::uint32_t id;
-  Vec3 aside;  ///< metres, shell's frame
+  Vec3 aside;  ///< meters, shell's frame
 };
 
 /// What one step of a pair leaves to the next.
@@ -45,7 +45,7 @@ struct StepContacts {
 };
 
 /// Whether a point touches, or would within the step at twice its speed, or if something else stops
-/// one of the bodies, were it nearer by `above`, metres.
+/// one of the bodies, were it nearer by `above`, meters.
 bool may_reach(const PairStep& step, const Contact& contact, double above);
 
 /// Leaves those of `contacts`, ascending by id, that are contacts of this step, as the solver is to
@@ -69,7 +69,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 std::vector<Contact>& contacts, PairMemory& memory);
 
 /// One of the contacts that apply_contact_rule() left, as Bullet wants it. `rolling_lever` is that
-/// of the contacts that it shares a manifold with, metres.
+/// of the contacts that it shares a manifold with, meters.
 WorldContact to_world(const PairStep& step, const StepContacts& of_step, const Contact& contact,
                       double rolling_lever);
 

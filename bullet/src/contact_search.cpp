@@ -385,7 +385,7 @@ void ContactSearch::append_way_out(const PairStep& step, const Opposition& oppos
   if (!way) return;
   const Side& smaller = step.larger == &pair.shell_side() ? pair.field_side() : pair.shell_side();
   const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(
-      smaller.bounding_ball().centre);
+      smaller.bounding_ball().center);
   // Others are of rims, and push to all sides.
   contacts_.assign(1, {kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
                        static_cast<Vec3f>(way->direction)});

@@ -117,9 +117,9 @@ void CylinderContacts::look_over() {
 void CylinderContacts::look_over(double along, double aside) {
   const GridField& grid = model_->grid();
   const double reach = reach_ + aside + static_cast<double>(model_->smooth_surface().most_lift());
-  const Vec3 centre = middle_ + along * axis_;
+  const Vec3 center = middle_ + along * axis_;
   const auto may_touch = [&](float bound) { return static_cast<double>(bound) < reach; };
-  if (!may_touch(grid.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius_)))) return;
+  if (!may_touch(grid.lower_bound(static_cast<Vec3f>(center), static_cast<float>(radius_)))) return;
   std::array<Vec3, kEightDirections.size()> outs;
   EightPoints places;
   EightFloats radii;
@@ -127,7 +127,7 @@ void CylinderContacts::look_over(double along, double aside) {
   for (std::size_t i = 0; i < outs.size(); ++i) {
     const auto& [x, y] = kEightDirections[i];
     outs[i] = model_from_shape_.rotate({x, y, 0.0});
-    places.set(i, static_cast<Vec3f>(centre + radius_ * outs[i]));
+    places.set(i, static_cast<Vec3f>(center + radius_ * outs[i]));
   }
   const EightFloats bounds = grid.bound_balls(places, radii).lower_bound;
   for (std::size_t i = 0; i < outs.size(); ++i) {
@@ -135,7 +135,7 @@ void CylinderContacts::look_over(double along, double aside) {
     const Vec3 direction = approach(along, outs[i]);
     if (is_faced(along, direction)) continue;
     if (aside > 0.0) {
-      const float distance = grid.distance(static_cast<Vec3f>(centre + radius_ * direction));
+      const float distance = grid.distance(static_cast<Vec3f>(center + radius_ * direction));
       if (!may_touch(distance) || is_over_line(along, direction, static_cast<double>(distance))) {
         continue;
       }
@@ -218,10 +218,10 @@ CylinderContacts::Touch& CylinderContacts::add(const Section& section) {
 
 /// The direction that a few normals of the grid lead to. They are of facets, but cost little.
 Vec3 CylinderContacts::approach(double along, const Vec3& out) const {
-  const Vec3 centre = middle_ + along * axis_;
+  const Vec3 center = middle_ + along * axis_;
   Vec3 direction = out;
   for (int i = 0; i < kApproachSteps; ++i) {
-    const auto place = static_cast<Vec3f>(centre + radius_ * direction);
+    const auto place = static_cast<Vec3f>(center + radius_ * direction);
     const auto outwards = static_cast<Vec3>(model_->grid().gradient(place));
     const Vec3 across = dot(outwards, axis_) * axis_ - outwards;
     if (squared_length(across) < kFlatRim * kFlatRim) return out;
@@ -245,11 +245,11 @@ bool CylinderContacts::is_faced(double along, const Vec3& out) const {
 /// From a place of the side on. None where the model faces it only along the axis, from behind, or
 /// all around, as a hole does its peg.
 std::optional<CylinderContacts::Section> CylinderContacts::face(double along, const Vec3& out) {
-  const Vec3 centre = middle_ + along * axis_;
+  const Vec3 center = middle_ + along * axis_;
   Vec3 outwards;
   const auto side_at = [&](const Vec3& direction) {
     const Vec3 across = direction - dot(direction, axis_) * axis_;
-    return centre + radius_ * normalized(across);
+    return center + radius_ * normalized(across);
   };
   const auto place_at = [&](const Vec3& direction) { return std::optional(side_at(direction)); };
   const auto feel = [&](const Vec3& position) {
@@ -264,7 +264,7 @@ std::optional<CylinderContacts::Section> CylinderContacts::face(double along, co
   const auto facing = face_field(direction, direction - out, kFollowsOfSmoothTurn,
                                  kSmoothSlideWithin, place_at, feel);
   if (!facing || facing->distance <= -radius_) return std::nullopt;
-  return Section{along, normalized(facing->position - centre), facing->position, outwards,
+  return Section{along, normalized(facing->position - center), facing->position, outwards,
                  facing->distance};
 }
 

@@ -24,7 +24,7 @@ class CylinderContacts {
   /// for other shapes and other models.
   ///
   /// @param features  Of find_features(); those of the new contacts are appended.
-  /// @param reach     Contacts are deeper than minus that, metres.
+  /// @param reach     Contacts are deeper than minus that, meters.
   /// @param contacts  Ascending by id.
   /// @param exact     Ids, ascending, of those that are no samples.
   void slide(std::vector<Feature>& features, const PairStep& step, double reach,
@@ -34,7 +34,7 @@ class CylinderContacts {
  private:
   /// Where the model faces the side, of those places that are as far along the axis.
   struct Section {
-    double along;   ///< the axis, from its middle, metres
+    double along;   ///< the axis, from its middle, meters
     Vec3 out;       ///< from the axis to the side, unit length
     Vec3 position;  ///< on the side
     Vec3 outwards;  ///< the model's normal, unit length
@@ -75,17 +75,17 @@ class CylinderContacts {
   const Model* model_ = nullptr;
   SmoothField field_;
   Pose model_from_shape_;
-  Vec3 middle_;                   ///< metres, the model's frame as all of these
+  Vec3 middle_;                   ///< meters, the model's frame as all of these
   Vec3 axis_;                     ///< unit length
-  double half_length_ = 0.0;      ///< metres
-  double radius_ = 0.0;           ///< metres
+  double half_length_ = 0.0;      ///< meters
+  double radius_ = 0.0;           ///< meters
   bool has_rims_ = false;         ///< not the balls of a capsule
-  double reach_ = 0.0;            ///< metres
-  double spacing_ = 0.0;          ///< of the model's samples, metres
-  double tolerance_ = 0.0;        ///< of depths, metres
-  double same_within_ = 0.0;      ///< metres
-  double followed_within_ = 0.0;  ///< metres
-  double least_curvature_ = 0.0;  ///< 1/metres
+  double reach_ = 0.0;            ///< meters
+  double spacing_ = 0.0;          ///< of the model's samples, meters
+  double tolerance_ = 0.0;        ///< of depths, meters
+  double same_within_ = 0.0;      ///< meters
+  double followed_within_ = 0.0;  ///< meters
+  double least_curvature_ = 0.0;  ///< 1/meters
   std::vector<Touch> touches_;
   std::vector<Touch> before_;         ///< those of the step before
   std::vector<std::uint32_t> taken_;  ///< numbers

@@ -20,7 +20,7 @@ void draw_points(btIDebugDraw& drawer, const ModelShape& shape, const btTransfor
   const Pose pose = world_from_model(shape, world_from_body);
   const double length = drawing.length >= 0.0 ? drawing.length : shell.spacing();
   const int level = std::clamp(drawing.level, 1, PointSphereTree::kMaxLevel);
-  // Neighbours in the tree's order are neighbours in space.
+  // Neighbors in the tree's order are neighbors in space.
   const std::size_t count = std::min(drawing.most_points, shell.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t id = i * shell.size() / count;
@@ -37,7 +37,7 @@ void draw_spheres(btIDebugDraw& drawer, const ModelShape& shape, const btTransfo
   const Pose pose = world_from_model(shape, world_from_body);
   std::uint32_t segment = 0;
   for (const Sphere& sphere : tree.spheres(std::clamp(level, 1, tree.level_count()))) {
-    drawer.drawSphere(to_bullet(pose.transform_point(static_cast<Vec3>(sphere.centre))),
+    drawer.drawSphere(to_bullet(pose.transform_point(static_cast<Vec3>(sphere.center))),
                       static_cast<btScalar>(sphere.radius), segment_color(segment++));
   }
 }

@@ -11,9 +11,9 @@ namespace voxshell::bullet {
 
 /// A place where a surface and that of a field face each other. The surface's frame.
 struct Facing {
-  Vec3 position;    ///< metres
+  Vec3 position;    ///< meters
   Vec3 outwards;    ///< the field's normal there, unit length
-  double distance;  ///< by the field, metres
+  double distance;  ///< by the field, meters
 };
 
 /// What a direction is to be turned by for what it misses: Broyden's method (1965), the inverse of

@@ -11,10 +11,10 @@ namespace voxshell::bullet {
 /// faces. There, the field's own normal and depth are of whichever side is nearer, if by rounding
 /// alone: of bodies that lie flush, places along the rim would be pushed aside and carry nothing.
 ///
-/// Such places are looked up `reach` metres inside the shell's body, or up to eight times as far,
+/// Such places are looked up `reach` meters inside the shell's body, or up to eight times as far,
 /// where the field is met from outside. Contacts that are outside by more than a tenth of `reach`,
 /// or deeper than eight of it, stay as they are, and so do those whose normal already opposes the
-/// element's. `thickness` is that of Bullet's margins about the field, metres. With a reach of 0,
+/// element's. `thickness` is that of Bullet's margins about the field, meters. With a reach of 0,
 /// all stay: so they should in fields that round edges off. So do those of uniform shells, which
 /// have no edges among their elements.
 void face_elements(std::span<Contact> contacts, const Field& field, const PointShell& shell,
@@ -22,7 +22,7 @@ void face_elements(std::span<Contact> contacts, const Field& field, const PointS
 
 /// What drop_from_behind() found.
 struct Opposition {
-  float buried = 0.0f;      ///< depth of the deepest contact that was dropped, metres
+  float buried = 0.0f;      ///< depth of the deepest contact that was dropped, meters
   bool is_opposed = false;  ///< some contact pushes against its element
 };
 
@@ -30,7 +30,7 @@ struct Opposition {
 /// lies behind the element would follow it through the same place, and the bodies would overlap no
 /// less. Two balls of which each holds the other's middle would pull each other together. Drops
 /// contacts deeper than `deep` that push aside as well. Contacts farther from the field than
-/// `reach` stay: their bodies may turn before they touch. Metres. Decision 38.
+/// `reach` stay: their bodies may turn before they touch. Meters. Decision 38.
 void drop_from_behind(std::vector<Contact>& contacts, const PointShell& shell, float reach,
                       float deep, Opposition& opposition);
 

@@ -16,7 +16,7 @@ class FailedSlides {
   /// A step begins, in which elements may be asked about and added, both ascending by id.
   /// @param contacts          Those of the shell.
   /// @param field_from_shell  Pose of the shell's frame in the field's.
-  /// @param radius            Of the smaller body, metres.
+  /// @param radius            Of the smaller body, meters.
   /// @param forgets           The surfaces are not those of the step before.
   void begin(std::span<const Contact> contacts, const Pose& field_from_shell, double radius,
              bool forgets);

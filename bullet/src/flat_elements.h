@@ -8,7 +8,7 @@
 
 namespace voxshell::bullet {
 
-/// What is asked about two surfaces that may touch. Metres.
+/// What is asked about two surfaces that may touch. Meters.
 struct TouchScale {
   double radius;     ///< of the smaller body; surfaces are compared at fractions of it
   double margin;     ///< contacts with a wider gap stay as they are

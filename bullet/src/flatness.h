@@ -84,7 +84,7 @@ bool bends_before(const F& field, const Vec3& place, const Vec3& normal, double 
   return false;
 }
 
-/// How deep a place is in a field along a direction that leads out of it, metres; negative where
+/// How deep a place is in a field along a direction that leads out of it, meters; negative where
 /// the field lies against the direction, by at most `reach`. None where it does not.
 template <class F>
 std::optional<double> depth_along(const F& field, const Vec3& place, const Vec3& outwards,

@@ -24,7 +24,7 @@ struct Hold {
 Hold renew_hold(const PairStep& step, std::span<const Contact> contacts,
                 const std::optional<Pose>& b_from_a);
 
-/// How far the point of a contact has slipped along the surface since the hold was taken, metres,
+/// How far the point of a contact has slipped along the surface since the hold was taken, meters,
 /// in the shell's frame; zero where it has slipped so far that it slides.
 Vec3 slip_of(const PairStep& step, const Hold& hold, const Contact& contact);
 

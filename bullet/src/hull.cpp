@@ -178,7 +178,7 @@ std::optional<Hull> Hull::create(std::vector<Vec3> points) {
   if (!field) return std::nullopt;
   const std::span<const Vec3> corners = mesh->vertices();
   return Hull(std::move(points), {corners.begin(), corners.end()},
-              compute_solid_mass_properties(*mesh).centre_of_mass, *std::move(field));
+              compute_solid_mass_properties(*mesh).center_of_mass, *std::move(field));
 }
 
 Hull::Hull(std::vector<Vec3> points, std::vector<Vec3> corners, const Vec3& middle, Field field)

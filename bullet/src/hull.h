@@ -16,7 +16,7 @@
 namespace voxshell::bullet {
 
 /// The hull of the vertices of a polyhedral shape of Bullet's, as a field and without the shape's
-/// margin. Metres, the shape's frame; good to 1e-4 of its size, as Bullet's hulls are.
+/// margin. Meters, the shape's frame; good to 1e-4 of its size, as Bullet's hulls are.
 class Hull {
  public:
   /// None where the points enclose no volume, or have a hull of too many faces for a ConvexField.
@@ -28,7 +28,7 @@ class Hull {
   const std::vector<Vec3>& points() const { return points_; }
   const Field& field() const { return field_; }
   const std::vector<Vec3>& corners() const { return corners_; }
-  /// The centre of mass.
+  /// The center of mass.
   const Vec3& middle() const { return middle_; }
   /// Whether the shape still has the points that this was made of, by their number and the last.
   bool is_of(const btConvexShape& shape) const;

@@ -13,7 +13,7 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// How the bodies meet at a contact, along its normal.
 struct Impact {
-  double gap;                 ///< metres, negative where the bodies overlap
+  double gap;                 ///< meters, negative where the bodies overlap
   double approach;            ///< m/s
   double approach_of_forces;  ///< what forces add to it in the step, m/s
   double approach_of_fall;    ///< the same as far as nothing carries the bodies, m/s
@@ -31,7 +31,7 @@ inline Impact impact_of(const PairStep& step, const Contact& contact) {
           squared_length(velocity)};
 }
 
-/// How much of the gap the bodies close within the step if nothing stops them, metres.
+/// How much of the gap the bodies close within the step if nothing stops them, meters.
 inline double closing_of(const PairStep& step, const Impact& impact) {
   return (impact.approach + impact.approach_of_fall) * step.time_step;
 }

@@ -58,7 +58,7 @@ BodyFrame compute_principal_frame(const MassProperties& mass_properties) {
     body_from_model.row_z = -body_from_model.row_z;
   }
   const auto moment = [&](std::size_t i) { return inertia[order[i]][static_cast<int>(order[i])]; };
-  return {{body_from_model.transposed(), mass_properties.centre_of_mass},
+  return {{body_from_model.transposed(), mass_properties.center_of_mass},
           {moment(0), moment(1), moment(2)}};
 }
 
@@ -98,12 +98,12 @@ ModelShape::~ModelShape() = default;
 ModelShape::ModelShape(std::shared_ptr<const Model> model, const Pose& body_from_model)
     : model_(std::move(model)),
       body_from_model_(body_from_model),
-      centre_(static_cast<Vec3>(model_->shell().tree().spheres(1)[0].centre)) {
+      center_(static_cast<Vec3>(model_->shell().tree().spheres(1)[0].center)) {
   // Prepared here, so that the step in which the body first comes near another does not wait for
   // it.
   model_->smooth_surface();
   for (const Vec3& vertex : model_->mesh().vertices()) {
-    radius_ = std::max(radius_, length(vertex - centre_));
+    radius_ = std::max(radius_, length(vertex - center_));
   }
   // The one concave type that Bullet itself uses nowhere. CUSTOM_CONCAVE_SHAPE_TYPE equals Bullet's
   // SDF type: shapes of that id are cast to its class.
@@ -116,7 +116,7 @@ void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
   const Pose world_from_model = from_bullet(world_from_body) * body_from_model_;
   const Bounds box = transform_bounds(world_from_model, model_->bounds());
   // Turned, the box of a round body is up to three times as large as the body's.
-  const Vec3 centre = world_from_model.transform_point(centre_);
+  const Vec3 center = world_from_model.transform_point(center_);
   const Vec3 radii{radius_, radius_, radius_};
   // Compounds compare the bounds of children without Bullet's own slack for contacts: points within
   // the rest margin must lie inside.
@@ -127,8 +127,8 @@ void ModelShape::getAabb(const btTransform& world_from_body, btVector3& lower,
   const btVector3 margin(reach, reach, reach);
   lower = to_bullet(box.lower);
   upper = to_bullet(box.upper);
-  lower.setMax(to_bullet(centre - radii));
-  upper.setMin(to_bullet(centre + radii));
+  lower.setMax(to_bullet(center - radii));
+  upper.setMin(to_bullet(center + radii));
   lower -= margin;
   upper += margin;
 }
@@ -149,7 +149,7 @@ void ModelShape::setLocalScaling(const btVector3& scaling) {
 
 int ModelShape::calculateSerializeBufferSize() const {
   throw std::logic_error(
-      "a ModelShape cannot be serialised by Bullet: save the model with save_model() and create "
+      "a ModelShape cannot be serialized by Bullet: save the model with save_model() and create "
       "the "
       "shape from it");
 }

@@ -95,16 +95,16 @@ Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) 
   const Matrix3 rotation =
       Matrix3{after(columns.row_x), after(columns.row_y), after(columns.row_z)}.transposed();
   const Vec3 displacement = fraction * time_step * (velocity + velocity_of_fall);
-  return {rotation, centre + displacement + after(world_from_x.translation - centre)};
+  return {rotation, center + displacement + after(world_from_x.translation - center)};
 }
 
 double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
                                   double time_step) {
   // The relative velocity is affine in the place.
-  const Vec3 of_centre = a.velocity_at(ball.centre) + a.velocity_of_fall -
-                         b.velocity_at(ball.centre) - b.velocity_of_fall;
+  const Vec3 of_center = a.velocity_at(ball.center) + a.velocity_of_fall -
+                         b.velocity_at(ball.center) - b.velocity_of_fall;
   const double of_spin = length(a.angular_velocity - b.angular_velocity) * ball.radius;
-  return (length(of_centre) + of_spin) * time_step;
+  return (length(of_center) + of_spin) * time_step;
 }
 
 double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ball,
@@ -129,7 +129,7 @@ RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
   const Vec3& origin = world_from_frame.translation;
   const Matrix3 frame_from_world = world_from_frame.rotation.transposed();
   const auto spin_of = [&](const Motion& motion) {
-    return Spin{frame_from_world * (motion.centre - origin),
+    return Spin{frame_from_world * (motion.center - origin),
                 frame_from_world * motion.angular_velocity};
   };
   return {frame_from_world * (body.velocity_at(origin) - seen_from.velocity_at(origin)),
@@ -141,20 +141,20 @@ RelativeMotion RelativeMotion::of(const Motion& body, const Motion& seen_from,
 }
 
 Path::Path(const RelativeMotion& motion, const Vec3& place, double time_step)
-    : place_(place), arm_(place - motion.own.centre), seen_centre_(motion.seen_from.centre) {
+    : place_(place), arm_(place - motion.own.center), seen_center_(motion.seen_from.center) {
   const Spin& own = motion.own;
   const Spin& seen = motion.seen_from;
   // Relative velocities at the origin contain what the spins do there.
-  const Vec3 of_centres = motion.velocity + cross(own.angular_velocity, own.centre) -
-                          cross(seen.angular_velocity, seen.centre);
-  displacement_ = time_step * (of_centres + motion.velocity_of_fall);
+  const Vec3 of_centers = motion.velocity + cross(own.angular_velocity, own.center) -
+                          cross(seen.angular_velocity, seen.center);
+  displacement_ = time_step * (of_centers + motion.velocity_of_fall);
   own_axis_ = normalized(own.angular_velocity);
   seen_axis_ = normalized(seen.angular_velocity);
   own_angle_ = time_step * voxshell::length(own.angular_velocity);
   seen_angle_ = time_step * voxshell::length(seen.angular_velocity);
   const double in_the_world =
       voxshell::length(displacement_) + own_angle_ * voxshell::length(cross(own_axis_, arm_));
-  const double farthest = voxshell::length(cross(seen_axis_, place - seen.centre)) + in_the_world;
+  const double farthest = voxshell::length(cross(seen_axis_, place - seen.center)) + in_the_world;
   length_ = in_the_world + seen_angle_ * farthest;
 }
 
@@ -170,9 +170,9 @@ Vec3 Path::turned_back(double fraction, const Vec3& direction) const {
 
 Vec3 Path::at(double fraction) const {
   if (own_angle_ == 0.0 && seen_angle_ == 0.0) return place_ + fraction * displacement_;
-  const Vec3 from_centre = (place_ - arm_) - seen_centre_ + fraction * displacement_ +
+  const Vec3 from_center = (place_ - arm_) - seen_center_ + fraction * displacement_ +
                            turned(arm_, own_axis_, fraction * own_angle_);
-  return seen_centre_ + turned(from_centre, seen_axis_, -fraction * seen_angle_);
+  return seen_center_ + turned(from_center, seen_axis_, -fraction * seen_angle_);
 }
 
 }  // namespace voxshell::bullet

@@ -10,7 +10,7 @@ namespace voxshell::bullet {
 
 /// How a body moves at the start of a step, as Bullet's solver is about to see it. World frame.
 struct Motion {
-  Vec3 centre;                ///< a point of the body
+  Vec3 center;                ///< a point of the body
   Vec3 velocity;              ///< of that point, m/s
   Vec3 angular_velocity;      ///< rad/s
   Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
@@ -23,18 +23,18 @@ struct Motion {
   static Motion of(const btCollisionObject& object, double time_step);
 
   /// Whether forces do not move the body if contacts do what they did in the last step.
-  /// @param radius  Of the body, metres.
+  /// @param radius  Of the body, meters.
   bool is_carried(const Support::Push& by_contacts, double radius) const;
 
   Vec3 velocity_at(const Vec3& world_point) const {
-    return velocity + cross(angular_velocity, world_point - centre);
+    return velocity + cross(angular_velocity, world_point - center);
   }
 
   /// After an impulse at a place, N s.
   Motion pushed(const Vec3& impulse, const Vec3& at) const {
     Motion after = *this;
     after.velocity = velocity + inverse_mass * impulse;
-    after.angular_velocity = angular_velocity + inverse_inertia * cross(at - centre, impulse);
+    after.angular_velocity = angular_velocity + inverse_inertia * cross(at - center, impulse);
     return after;
   }
 
@@ -43,7 +43,7 @@ struct Motion {
 };
 
 /// No place of a ball that one of the bodies is in moves farther in the step, as the other sees it,
-/// metres.
+/// meters.
 double find_farthest_displacement(const Motion& a, const Motion& b, const Ball& ball,
                                   double time_step);
 
@@ -52,12 +52,12 @@ double find_farthest_if_stopped(const Motion& a, const Motion& b, const Ball& ba
                                 double time_step);
 
 /// Places of the two bodies that are farther apart do not touch within the step, even if something
-/// else stops one of the bodies. Metres.
+/// else stops one of the bodies. Meters.
 double find_touch_reach(const Motion& a, const Motion& b, const Ball& ball, double time_step);
 
 /// The point that a body turns about, and how fast.
 struct Spin {
-  Vec3 centre;
+  Vec3 center;
   Vec3 angular_velocity;  ///< rad/s
 };
 
@@ -80,11 +80,11 @@ struct RelativeMotion {
   }
   /// The same if the body did not turn: how the place of a ball moves that faces something.
   RelativeMotion unspun() const {
-    return {velocity + cross(own.angular_velocity, own.centre),
+    return {velocity + cross(own.angular_velocity, own.center),
             angular_velocity - own.angular_velocity,
             velocity_of_forces,
             velocity_of_fall,
-            {own.centre, {}},
+            {own.center, {}},
             seen_from};
   }
 };
@@ -102,14 +102,14 @@ class Path {
   Vec3 turned_at(double fraction, const Vec3& direction) const;
   /// Which direction of the body will point in a direction then.
   Vec3 turned_back(double fraction, const Vec3& direction) const;
-  /// The path is not longer than that, metres.
+  /// The path is not longer than that, meters.
   double length() const { return length_; }
 
  private:
   Vec3 place_;
   Vec3 displacement_;  ///< of one center as the other sees it
   Vec3 arm_;           ///< from the center to the place
-  Vec3 seen_centre_;
+  Vec3 seen_center_;
   Vec3 own_axis_;
   Vec3 seen_axis_;
   double own_angle_;  ///< radians

@@ -26,9 +26,9 @@ void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
 }  // namespace
 
 double radius_of(const btCollisionObject& body) {
-  btVector3 centre;
+  btVector3 center;
   btScalar radius = 0;
-  body.getCollisionShape()->getBoundingSphere(centre, radius);
+  body.getCollisionShape()->getBoundingSphere(center, radius);
   return static_cast<double>(radius);
 }
 

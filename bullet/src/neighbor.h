@@ -29,7 +29,7 @@ class PlacedField {
     }
   }
 
-  /// Negative inside, metres.
+  /// Negative inside, meters.
   double distance(const Vec3& place) const {
     const auto local = static_cast<Vec3f>(field_from_world_.transform_point(place));
     return std::visit([&](const auto& f) { return static_cast<double>(f.distance(local)); },
@@ -62,10 +62,10 @@ class PlacedField {
   std::variant<const Field*, Field> field_;  ///< models keep theirs
   Pose world_from_field_;
   Pose field_from_world_;
-  double thickness_;  ///< of Bullet's margin about it, metres
+  double thickness_;  ///< of Bullet's margin about it, meters
 };
 
-/// Of the ball about a body, metres.
+/// Of the ball about a body, meters.
 double radius_of(const btCollisionObject& body);
 
 /// A body that another one touches.

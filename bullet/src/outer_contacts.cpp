@@ -83,7 +83,7 @@ class PatchHull {
     });
   }
 
-  /// Marks the places that span all of them to a fraction of their width, or to `least`, metres.
+  /// Marks the places that span all of them to a fraction of their width, or to `least`, meters.
   void mark(double least, std::vector<std::uint8_t>& is_outer) {
     find_hull();
     const double tolerance = std::max(kPatchShrink * half_width(), least);

@@ -28,7 +28,7 @@ namespace {
 double find_fastest(const PairStep& step) {
   const Motion& a = step.motion_a;
   const Motion& b = step.motion_b;
-  return length(a.velocity_at(step.ball.centre) - b.velocity_at(step.ball.centre)) +
+  return length(a.velocity_at(step.ball.center) - b.velocity_at(step.ball.center)) +
          length(a.angular_velocity - b.angular_velocity) * step.ball.radius;
 }
 
@@ -103,7 +103,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.motion = RelativeMotion::of(of_shell, of_field, world_from_shell);
   step.if_stopped = {RelativeMotion::of(of_shell, Motion{}, world_from_shell),
                      RelativeMotion::of(Motion{}, of_field, world_from_shell)};
-  step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(step.ball.centre);
+  step.middle = pair.shell_side().world_from_geometry().inverse().transform_point(step.ball.center);
   step.displacement =
       time_step * (step.motion.velocity_at(step.middle) + step.motion.velocity_of_fall);
   return step;
@@ -118,8 +118,8 @@ bool Turning::may_face(const Vec3& normal, const Vec3& direction, double slack) 
 double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& other, double gap,
                           const Vec3& direction) const {
   constexpr std::array kFractions{0.25, 0.5, 0.75, 1.0};
-  const Vec3 arm = place - centre;
-  const Vec3 other_arm = other - centre;
+  const Vec3 arm = place - center;
+  const Vec3 other_arm = other - center;
   // The most of some angles on the way of a turn about an axis.
   const auto lead = [&](const Vec3& axis, double most) {
     const double level = dot(axis, arm) * dot(axis, direction);
@@ -138,10 +138,10 @@ double Turning::lead_over(const Vec3& place, const Vec3& normal, const Vec3& oth
     }
     return largest - dot(other_arm, direction);
   };
-  const Vec3 towards = cross(normal, direction);
-  const double angle = std::atan2(length(towards), dot(normal, direction));
+  const Vec3 toward = cross(normal, direction);
+  const double angle = std::atan2(length(toward), dot(normal, direction));
   return std::max(lead(normalized(turn), length(turn)),
-                  lead(normalized(towards), std::min(angle, std::abs(dot(stopped, direction)))));
+                  lead(normalized(toward), std::min(angle, std::abs(dot(stopped, direction)))));
 }
 
 Turning turning_of(const PairStep& step, bool is_of_field) {
@@ -155,7 +155,7 @@ Turning turning_of(const PairStep& step, bool is_of_field) {
   const auto to_own = [&](const Vec3& v) {
     return is_of_field ? step.field_from_shell.rotate(v) : v;
   };
-  return {side.world_from_geometry().inverse().transform_point(moves ? own.centre : other.centre),
+  return {side.world_from_geometry().inverse().transform_point(moves ? own.center : other.center),
           kCcdReach * step.time_step * to_own(step.motion.angular_velocity),
           kCcdReach / step.ball.radius * to_own(step.displacement)};
 }

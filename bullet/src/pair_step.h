@@ -11,7 +11,7 @@
 namespace voxshell::bullet {
 
 /// What is known of a pair at the start of a step, before any contact is looked for. All parts of
-/// the contact rule are functions of it; none of them changes it. Metres, seconds.
+/// the contact rule are functions of it; none of them changes it. Meters, seconds.
 struct PairStep {
   const PosedPair* pair;  ///< outlives this
   double time_step;
@@ -55,21 +55,21 @@ struct PairStep {
 
 /// How a body may turn within a step, as the other one sees it, in the body's own frame.
 struct Turning {
-  Vec3 centre;   ///< about which
+  Vec3 center;   ///< about which
   Vec3 turn;     ///< radians about each axis, several times what it is turning by
   Vec3 stopped;  ///< radians by which what stops its motion along each axis may turn it
 
   /// Whether a normal of its surface may come to point along a direction; both unit length.
   bool may_face(const Vec3& normal, const Vec3& direction, double slack) const;
   /// How much farther along a direction a place of its surface may come than another one is taken
-  /// to, which moves as its velocity says, but by at most `gap` along the direction; metres.
+  /// to, which moves as its velocity says, but by at most `gap` along the direction; meters.
   double lead_over(const Vec3& place, const Vec3& normal, const Vec3& other, double gap,
                    const Vec3& direction) const;
 };
 /// Of the shell's body, or of the field's.
 Turning turning_of(const PairStep& step, bool is_of_field);
 /// The same by its own spin alone, as a round body sees it whose spin moves no place of its surface
-/// towards the other body.
+/// toward the other body.
 Turning own_turning_of(const PairStep& step, bool is_of_field);
 
 /// @param support  What carries the bodies, which touched in the last step; else null.

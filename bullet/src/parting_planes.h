@@ -13,7 +13,7 @@ namespace voxshell::bullet {
 
 /// The plane of contacts that touch.
 struct Plane {
-  Vec3 normal;  ///< towards the body
+  Vec3 normal;  ///< toward the body
   Vec3 place;
   int count;  ///< of the contacts
 

@@ -21,8 +21,8 @@ class PlacesAtRest {
   struct AtRest {
     std::uint32_t id;
     bool was_there;  ///< in the step before, by that id
-    float depth;     ///< metres
-    Vec3 position;   ///< metres, the shell's frame
+    float depth;     ///< meters
+    Vec3 position;   ///< meters, the shell's frame
     Of of;
   };
 

@@ -178,7 +178,7 @@ GeometryKey Side::key() const {
 Ball Side::bounding_ball() const {
   if (model_ != nullptr) {
     const Sphere& sphere = model_->shell().tree().spheres(1)[0];
-    return {world_from_geometry_.transform_point(static_cast<Vec3>(sphere.centre)),
+    return {world_from_geometry_.transform_point(static_cast<Vec3>(sphere.center)),
             static_cast<double>(sphere.radius)};
   }
   return Ball::about(wrap_);

@@ -60,17 +60,17 @@ class Side {
   GeometryKey key() const;
   const Pose& world_from_geometry() const { return world_from_geometry_; }
   const btCollisionObjectWrapper& wrap() const { return wrap_; }
-  /// Bullet's collision margin where the shape is thicker by it than its geometry, metres.
+  /// Bullet's collision margin where the shape is thicker by it than its geometry, meters.
   double thickness() const { return thickness_; }
   /// All of it is in there, world frame.
   Ball bounding_ball() const;
   /// Of the geometry's frame, a place that is well inside.
   Vec3 middle() const;
-  /// Of the geometry where it is thinnest, metres; infinity of planes and triangles.
+  /// Of the geometry where it is thinnest, meters; infinity of planes and triangles.
   double thinnest() const;
   /// Whether its field tells the sides of an edge apart. Uniform models round edges over a voxel.
   bool has_sharp_field() const { return model_ == nullptr || model_->settings().tolerance > 0.0; }
-  /// What moves by more in a step may be through it unseen, metres: a 50th of its longest side, or
+  /// What moves by more in a step may be through it unseen, meters: a 50th of its longest side, or
   /// two fifths of a model's thickness, or a quarter of the depth of another shape's middle.
   double detail() const;
 

@@ -10,7 +10,7 @@ namespace voxshell::bullet {
 
 /// The place that a body at rest lies on, remembered from step to step.
 ///
-/// Bodies that have come to rest lie on points that are not all in touch to the last micrometre:
+/// Bodies that have come to rest lie on points that are not all in touch to the last micrometer:
 /// taken as they are, points change from step to step, and a body tips from one set to the next
 /// for ever. So points that are nearly as near as the nearest count as just as near, and those
 /// that carried the body before are pulled back to where they did. Decision 52.
@@ -20,8 +20,8 @@ class RestingPatch {
   ///
   /// @param contacts   Ascending by id; not empty.
   /// @param exact      Ids, ascending, of those that are no samples: they keep their depths.
-  /// @param thickness  Of Bullet's margins, which add to the depths, metres.
-  /// @param band       How much farther from the surface than the nearest points may be, metres.
+  /// @param thickness  Of Bullet's margins, which add to the depths, meters.
+  /// @param band       How much farther from the surface than the nearest points may be, meters.
   void settle(std::span<Contact> contacts, std::span<const std::uint32_t> exact, double thickness,
               double band);
 
@@ -37,7 +37,7 @@ class RestingPatch {
   struct Held {
     std::uint32_t id;
     std::uint32_t place;  ///< in the list of contacts that it was found in
-    double lift;          ///< how much farther from the surface than the nearest, metres
+    double lift;          ///< how much farther from the surface than the nearest, meters
   };
 
   std::vector<Held> held_;

@@ -8,7 +8,7 @@
 
 namespace voxshell::bullet {
 
-/// The lever, metres, of the torque that the contacts of a still body withstand where it is so
+/// The lever, meters, of the torque that the contacts of a still body withstand where it is so
 /// short that the solver would hardly feel it: of points all around one, their distance from it; of
 /// points in a long row, its width. So it is of points in any row that are no samples: there is
 /// nothing between and beside them. 0 where the lever is longer. `contacts` is not empty.

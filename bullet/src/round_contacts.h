@@ -17,7 +17,7 @@
 namespace voxshell::bullet {
 
 /// How much deeper than the nearest of its samples a model's smooth surface may be in a field,
-/// metres; 0 where no part of it is curved.
+/// meters; 0 where no part of it is curved.
 double most_above_samples(const Model& model);
 
 /// Slides contacts of a shell along its smooth surface to where that surface is deepest in the
@@ -29,7 +29,7 @@ class RoundContacts {
   /// @param field_from_shell  Pose of the shell's frame in the field's.
   /// @param turning           Of the shell's body: samples that may touch, once it has turned,
   /// before the place that they slide to does, stay where they are.
-  /// @param least_depth       Contacts that cannot become as deep are dropped, metres.
+  /// @param least_depth       Contacts that cannot become as deep are dropped, meters.
   void slide(std::vector<Contact>& contacts, const Model& model, SmoothField field,
              const Pose& field_from_shell, const TouchScale& scale, const Turning& turning,
              float least_depth);
@@ -78,7 +78,7 @@ class RoundContacts {
   /// The end of a straight way.
   struct Straight {
     SmoothSurface::Place place;
-    double displacement;  ///< metres
+    double displacement;  ///< meters
     bool is_over_edge;    ///< of the field's body, where its normal turns all at once
   };
   std::optional<Straight> go_straight(const SmoothSurface::Place& place, const Facing& facing);
@@ -88,11 +88,11 @@ class RoundContacts {
   SmoothField field_;
   Pose field_from_shell_;
   Pose shell_from_field_;
-  double least_curvature_ = 0.0;  ///< 1/metres
-  double spacing_ = 0.0;          ///< of the shell's samples, metres
+  double least_curvature_ = 0.0;  ///< 1/meters
+  double spacing_ = 0.0;          ///< of the shell's samples, meters
   double margin_ = 0.0;           ///< see TouchScale
-  double same_within_ = 0.0;      ///< metres
-  double followed_within_ = 0.0;  ///< metres
+  double same_within_ = 0.0;      ///< meters
+  double followed_within_ = 0.0;  ///< meters
   PlacesAtRest<Touch> at_rest_;
   FailedSlides failed_;
 };

@@ -137,7 +137,7 @@ std::optional<RoundFieldContacts::Touch> RoundFieldContacts::on_edge(
   const Vec3 normal =
       normalized(on_round->normal - dot(on_round->normal, along_in_field) * along_in_field);
   const Vec3 outwards = -shell_from_field_.rotate(normal);
-  // The edge touches with a normal between those of its faces. A face that leads towards the round
+  // The edge touches with a normal between those of its faces. A face that leads toward the round
   // body touches it elsewhere.
   const Vec3 beside = cross(along, mean);
   for (const double side : {-1.0, 1.0}) {
@@ -257,7 +257,7 @@ void RoundFieldContacts::slide_features(std::vector<Contact>& contacts, std::spa
   const std::size_t first = find_from_id(contacts, kFirstFeature);
   std::vector<Vec3f> known;
   std::vector<std::uint32_t> dropped;
-  // The last feature of a rim is the deepest as its centre sees it.
+  // The last feature of a rim is the deepest as its center sees it.
   for (std::size_t i = contacts.size(); i-- > first;) {
     Contact& contact = contacts[i];
     Feature& feature = features[contact.id - kFirstFeature];

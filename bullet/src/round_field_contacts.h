@@ -82,11 +82,11 @@ class RoundFieldContacts {
   Pose shell_from_field_;
   Turning turning_{};
   Turning turning_of_field_{};
-  double lead_ = 0.0;             ///< by which places of the round body come first, metres
+  double lead_ = 0.0;             ///< by which places of the round body come first, meters
   double margin_ = 0.0;           ///< see TouchScale
-  double least_curvature_ = 0.0;  ///< 1/metres
-  double same_within_ = 0.0;      ///< metres
-  double followed_within_ = 0.0;  ///< metres
+  double least_curvature_ = 0.0;  ///< 1/meters
+  double same_within_ = 0.0;      ///< meters
+  double followed_within_ = 0.0;  ///< meters
   const void* before_ = nullptr;  ///< of which shell the places of the step before are
   FailedSlides failed_;
   PlacesAtRest<Touch> on_edges_;

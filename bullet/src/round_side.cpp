@@ -18,9 +18,9 @@ double across(const Vec3& v) { return std::hypot(v.x, v.y); }
 
 using Place = RoundSide::Place;
 
-/// The place of the ball about a centre.
-Place on_ball(const Vec3& centre, double radius, const Vec3& direction) {
-  return {centre + radius * direction, direction, {}};
+/// The place of the ball about a center.
+Place on_ball(const Vec3& center, double radius, const Vec3& direction) {
+  return {center + radius * direction, direction, {}};
 }
 
 /// Round the axis; none where the direction leads along it.

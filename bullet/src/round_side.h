@@ -8,7 +8,7 @@
 namespace voxshell::bullet {
 
 /// The surface of a body as contacts may slide along it: a model's smooth surface, or a ball,
-/// capsule, cylinder or cone of Bullet's. Metres, the geometry's frame.
+/// capsule, cylinder or cone of Bullet's. Meters, the geometry's frame.
 class RoundSide {
  public:
   struct Place {
@@ -35,7 +35,7 @@ class RoundSide {
   std::optional<Place> nearest_from(const Place& start, const Vec3& point) const;
 
   /// The place that is farthest along a direction, by way of a surface that is convex by at least
-  /// `least_curvature`, 1/metres: along the axis of a cylinder it stays. None where the surface is
+  /// `least_curvature`, 1/meters: along the axis of a cylinder it stays. None where the surface is
   /// flat or not convex.
   std::optional<Place> slide(const Place& start, const Vec3& direction,
                              double least_curvature) const;
@@ -55,7 +55,7 @@ std::optional<Vec3> find_facing(const Side& side, const Vec3& point, const Vec3&
 /// The place of a model's rim, a sharp edge of its round surface, that is farthest along a
 /// direction, by way of the rim from a point of it, or of the flat face beside it, on; none where
 /// there is no rim. The model's frame.
-/// @param within  How far from the rim the point may be, metres.
+/// @param within  How far from the rim the point may be, meters.
 std::optional<Vec3> find_lowest_of_rim(const Model& model, const Vec3& point, double within,
                                        const Vec3& direction, double least_curvature);
 

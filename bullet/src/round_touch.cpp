@@ -156,9 +156,9 @@ bool RoundTouch::meet_edge(const Path& path, const Vec3& own) {
     const auto beside = face(path.turned_back(fraction_, -tilted));
     if (!beside) return false;
     const double radius = std::min(length(*beside - place_) / kTilt, 2.0 * step_.ball.radius);
-    const Felt at_centre = feel(then + radius * outwards_);
-    gap_ = at_centre.distance - radius;
-    outwards_ = at_centre.outwards;
+    const Felt at_center = feel(then + radius * outwards_);
+    gap_ = at_center.distance - radius;
+    outwards_ = at_center.outwards;
   }
   return gap_ <= kColumnGaps * step_.touching_gap() && dot(outwards_, own) >= kFacesEdge;
 }

@@ -31,7 +31,7 @@ class RoundTouch {
  public:
   /// @param motion    Of the shell as the field sees it, in the shell's frame.
   /// @param fraction  Of the step, after which a place touches.
-  /// @param gap       That is left there, metres.
+  /// @param gap       That is left there, meters.
   RoundTouch(const PairStep& step, const RelativeMotion& motion, double fraction, double gap);
 
   /// Moves a contact to where the surface faces its plane now. Left alone are places that do not
@@ -60,7 +60,7 @@ class RoundTouch {
   Pose shell_from_own_;
   RelativeMotion of_side_;
   bool is_rim_ = false;  ///< what touches is the rim of the round surface
-  double rim_within_;    ///< places of flat faces that are nearer to the rim are of it, metres
+  double rim_within_;    ///< places of flat faces that are nearer to the rim are of it, meters
   // Shell's frame.
   Vec3 place_;     ///< of the surface now
   Vec3 outwards_;  ///< of the other body's plane

@@ -4,10 +4,10 @@
 
 namespace voxshell::bullet {
 
-/// A contact as one of its bodies sees it. Metres, world frame.
+/// A contact as one of its bodies sees it. Meters, world frame.
 struct Touch {
   Vec3 on_body;
-  Vec3 normal;  ///< of the other body, towards this one
+  Vec3 normal;  ///< of the other body, toward this one
   double gap;   ///< negative where they overlap
   bool is_feature;
 
@@ -17,7 +17,7 @@ struct Touch {
 /// What a contact at a seam becomes.
 struct Seam {
   Vec3 normal;   ///< of the plane that the flush surfaces have in common
-  double gap;    ///< along it, metres
+  double gap;    ///< along it, meters
   bool carries;  ///< else the contact is removed
 };
 

@@ -9,12 +9,12 @@
 namespace voxshell::bullet {
 namespace {
 
-/// Of a ball about the body's origin that holds it, metres.
+/// Of a ball about the body's origin that holds it, meters.
 double reach_of(const btCollisionObject& body) {
-  btVector3 centre;
+  btVector3 center;
   btScalar radius = 0;
-  body.getCollisionShape()->getBoundingSphere(centre, radius);
-  return static_cast<double>(centre.length() + radius);
+  body.getCollisionShape()->getBoundingSphere(center, radius);
+  return static_cast<double>(center.length() + radius);
 }
 
 }  // namespace

@@ -56,8 +56,8 @@ class SeamlessBody {
   Surroundings kept_;
   Surroundings now_;        ///< those that hold() was last called for
   bool has_parts_ = false;  ///< the body, or something that it touches, is a compound
-  double radius_ = 0.0;     ///< about the body's origin, metres
-  double smallest_ = 0.0;   ///< radius of it and what it touches, metres
+  double radius_ = 0.0;     ///< about the body's origin, meters
+  double smallest_ = 0.0;   ///< radius of it and what it touches, meters
 };
 
 /// What is kept of bodies that touch others.

@@ -60,7 +60,7 @@ Touch touch_of(const btManifoldPoint& point, bool is_first) {
 }
 
 /// When the body of a speculative contact touches, seconds. It was found to touch with up to `step`
-/// metres left, which with a slow approach are a long way.
+/// meters left, which with a slow approach are a long way.
 double time_until(const Touch& touch, const Vec3& velocity, double approach, double step,
                   Neighbor& other) {
   const double earliest = std::max(touch.gap - step, 0.0) / approach;
@@ -134,7 +134,7 @@ class Union {
 };
 
 /// Whether a body lies on that side of its place, not behind a plane that it ends at.
-bool lies_towards(const Vec3& direction, const Vec3& place, double reach, Neighbor& body) {
+bool lies_toward(const Vec3& direction, const Vec3& place, double reach, Neighbor& body) {
   if (!body.has_field()) return true;
   return body.distance(place + reach * direction) < body.distance(place - reach * direction);
 }
@@ -167,7 +167,7 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
   if (touch.gap <= step) {
     // Beside a corner, what stands out may end at that very place.
     if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
-    if (!lies_towards(upwards, touch.on_body, reach, body)) return std::nullopt;
+    if (!lies_toward(upwards, touch.on_body, reach, body)) return std::nullopt;
   }
   const double gap = above + dot(touch.on_body - place, upwards);
   // Bodies that the neighbor keeps apart arrive behind it.

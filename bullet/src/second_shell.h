@@ -30,7 +30,7 @@ class SecondShell {
   void append(std::span<const Contact> found, const Pose& field_from_shell,
               std::vector<Contact>& contacts);
 
-  /// Drops contacts of the second shell where one of the first is as near as `margin`, metres, and
+  /// Drops contacts of the second shell where one of the first is as near as `margin`, meters, and
   /// has the same normal, within ten degrees: manifolds need not hold both.
   void drop_doubles(float margin, std::vector<Contact>& contacts);
 

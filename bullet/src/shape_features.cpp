@@ -15,16 +15,16 @@ namespace voxshell::bullet {
 namespace {
 
 /// The points of a circle about the z axis that are its corners, and the one that is deepest in
-/// the model's field as its centre sees it.
+/// the model's field as its center sees it.
 void add_rim(double radius, double height, const Pose& model_from_shape, const GridField& field,
              std::vector<Feature>& features) {
   const auto add = [&](double x, double y) {
     features.push_back({model_from_shape.transform_point({radius * x, radius * y, height}), 0.0});
   };
   for (const auto& [x, y] : kEightDirections) add(x, y);
-  const Vec3 centre = model_from_shape.transform_point({0, 0, height});
+  const Vec3 center = model_from_shape.transform_point({0, 0, height});
   const Matrix3 shape_from_model = model_from_shape.rotation.transposed();
-  const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(centre)));
+  const Vec3 out = shape_from_model * static_cast<Vec3>(field.gradient(static_cast<Vec3f>(center)));
   const double across = std::sqrt(out.x * out.x + out.y * out.y);
   if (across > kFlatRim) {
     add(-out.x / across, -out.y / across);
@@ -102,8 +102,8 @@ void find_features(const PosedPair& pair, std::vector<Feature>& features) {
   const auto add = [&](const Vec3& place, double radius) {
     features.push_back({model_from_shape.transform_point(place), radius});
   };
-  const auto add_ball = [&](const Vec3& centre, double radius) {
-    for (std::size_t i = 0; i < kBallIds; ++i) add(centre, radius);
+  const auto add_ball = [&](const Vec3& center, double radius) {
+    for (std::size_t i = 0; i < kBallIds; ++i) add(center, radius);
   };
   const auto add_circle = [&](double radius, double height) {
     add_rim(radius, height, model_from_shape, model->grid(), features);

@@ -11,7 +11,7 @@
 namespace voxshell::bullet {
 
 /// Slides a place of a round surface to where the other body is nearest, along lines on which that
-/// comes nearer. Beside an edge the field has another normal at each place, and turning towards it,
+/// comes nearer. Beside an edge the field has another normal at each place, and turning toward it,
 /// as face_field() does, leads to and fro. The surface's frame.
 template <class Nearest, class Feel>
 class SlideToNearest {
@@ -19,7 +19,7 @@ class SlideToNearest {
   /// @param nearest  The place of the surface that is nearest to a point, near another place of it;
   /// or none.
   /// @param feel     What the field says of a point, as a Facing.
-  /// @param radius   Of the smaller body, metres.
+  /// @param radius   Of the smaller body, meters.
   /// @param within   Sine by which the normals of the two may miss each other there.
   SlideToNearest(double radius, double within, const Nearest& nearest, const Feel& feel)
       : within_(within),
@@ -73,7 +73,7 @@ class SlideToNearest {
 
   double within_;
   double first_step_;
-  double least_curvature_;  ///< 1/metres
+  double least_curvature_;  ///< 1/meters
   const Nearest& nearest_;
   const Feel& feel_;
 };

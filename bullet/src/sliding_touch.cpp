@@ -47,7 +47,7 @@ class SlidingPlace {
   /// Where they are nearest to each other at some time. The frame of the shell, but for the place.
   struct Met {
     double fraction;  ///< of the step
-    double gap;       ///< metres
+    double gap;       ///< meters
     Vec3 outwards;    ///< of the other body
     Vec3 position;
     RoundSide::Place place;
@@ -78,7 +78,7 @@ class SlidingPlace {
   /// How much nearer they come to each other until the end of the step, if they go on as now along
   /// each other.
   std::optional<double> find_turn() {
-    const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centres(step_);
+    const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centers(step_);
     within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
     const bool is_smaller = body_.is_shell != is_shell_larger(step_);
     const auto now = settle(0.0);
@@ -199,7 +199,7 @@ std::optional<Sliding> find_sliding(const PairStep& step, const RelativeMotion& 
   return place.contact_of(*met, contact);
 }
 
-Vec3 displacement_of_centres(const PairStep& step) {
+Vec3 displacement_of_centers(const PairStep& step) {
   const bool is_a = step.pair->shell_is_a;
   const Vec3 velocity = is_a ? step.motion_a.velocity - step.motion_b.velocity
                              : step.motion_b.velocity - step.motion_a.velocity;

@@ -13,9 +13,9 @@ namespace voxshell::bullet {
 struct Sliding {
   Contact contact;  ///< with the gap that is left to it now, and the normal where they touch
   /// The place of the larger body now, less where it would be if it faced that of the smaller one,
-  /// shell's frame, metres.
+  /// shell's frame, meters.
   Vec3 aside;
-  double passed;  ///< how far they move past each other until they touch, metres
+  double passed;  ///< how far they move past each other until they touch, meters
   bool faces;     ///< the two normals are opposite then; not on edges
 };
 
@@ -32,10 +32,10 @@ std::optional<Sliding> find_sliding(const PairStep& step, const RelativeMotion& 
 
 /// How far the center of the shell's body moves against that of the field's within the step,
 /// without forces; shell's frame. Gears that turn against each other do not move.
-Vec3 displacement_of_centres(const PairStep& step);
+Vec3 displacement_of_centers(const PairStep& step);
 
 /// How much nearer the bodies come at a contact within the step, if they slide or roll along each
-/// other as they do now, metres: on a concave surface. None where no such surface goes on until the
+/// other as they do now, meters: on a concave surface. None where no such surface goes on until the
 /// end of the step, and where neither body is round. Not for triangles.
 std::optional<double> find_turn(const PairStep& step, const Contact& contact);
 

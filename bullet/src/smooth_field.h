@@ -23,7 +23,7 @@ class SmoothField {
   /// Whether some of it is a smooth surface.
   bool is_smooth() const { return round_.has_value(); }
 
-  /// By how much the field and the smooth surface may be off each other, metres.
+  /// By how much the field and the smooth surface may be off each other, meters.
   double off_field() const { return walk_within_; }
 
   /// Radians by which normals may miss each other where a round surface faces it.
@@ -37,7 +37,7 @@ class SmoothField {
   void start_near(const SmoothField& other) { before_ = other.before_; }
 
   struct Value {
-    double distance;  ///< metres
+    double distance;  ///< meters
     Vec3 outwards;    ///< unit length; zero where coarse fields have none
   };
   /// At places near the surface. Fast where the place before was near.
@@ -54,9 +54,9 @@ class SmoothField {
 
   const Field* field_ = nullptr;
   std::optional<RoundSide> round_;  ///< of models, whose fields alone have facets
-  double tolerance_ = 0.0;          ///< of the model, metres
-  double walk_within_ = 0.0;        ///< of the field's distance, that of the smooth surface, metres
-  double deepest_ = 0.0;            ///< so far inside it is smooth, metres
+  double tolerance_ = 0.0;          ///< of the model, meters
+  double walk_within_ = 0.0;        ///< of the field's distance, that of the smooth surface, meters
+  double deepest_ = 0.0;            ///< so far inside it is smooth, meters
   std::optional<RoundSide::Place> before_;
 };
 

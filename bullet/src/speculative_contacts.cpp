@@ -20,10 +20,10 @@ namespace {
 /// Where a place touches a field within the step.
 struct Touch {
   Vec3f place;
-  double gap;       ///< that is left there, not negative, metres
-  double closing;   ///< how much of the gap the displacement closes up to there, metres
+  double gap;       ///< that is left there, not negative, meters
+  double closing;   ///< how much of the gap the displacement closes up to there, meters
   Vec3 outwards;    ///< the field's normal
-  double along;     ///< how far along its edge the place has moved, metres
+  double along;     ///< how far along its edge the place has moved, meters
   double fraction;  ///< of the step
 };
 
@@ -63,7 +63,7 @@ struct EdgePiece {
   Vec3 place;
   Vec3 along;           ///< unit length
   Vec3 along_in_field;  ///< the same in the field's frame
-  double tolerance;     ///< of its own surface, metres
+  double tolerance;     ///< of its own surface, meters
 };
 
 /// The place of a curved surface that faces a face of the other body, as long as it does.
@@ -74,7 +74,7 @@ struct FacingPlace {};
 using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
 
 /// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
-/// ends before. `way` is what that place has moved by, metres.
+/// ends before. `way` is what that place has moved by, meters.
 template <class F>
 double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double way) {
   const auto slope_at = [&](double along) {
@@ -109,7 +109,7 @@ double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double
 /// solvers change; field's frame.
 /// @param steps            For how long it is followed.
 /// @param offset           How much nearer the surface is than the field's zero: for balls, and for
-/// Bullet's margins. Metres.
+/// Bullet's margins. Meters.
 /// @param element          What is followed.
 template <class F>
 std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path& path,
@@ -231,11 +231,11 @@ std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMo
   return touching;
 }
 
-/// Whether the centre of a ball, where it touches, is as near to one wall as to another: the field
+/// Whether the center of a ball, where it touches, is as near to one wall as to another: the field
 /// has no normal of either there.
 bool is_between_walls(const GridField& field, const Feature& ball, const Contact& touch) {
-  const Vec3f centre = touch.point - static_cast<float>(ball.radius) * touch.normal;
-  return length(static_cast<Vec3>(field.gradient(centre))) < kOneWall;
+  const Vec3f center = touch.point - static_cast<float>(ball.radius) * touch.normal;
+  return length(static_cast<Vec3>(field.gradient(center))) < kOneWall;
 }
 
 /// Makes a plane's gap as wide as what the bodies close.

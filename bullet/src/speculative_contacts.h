@@ -31,7 +31,7 @@ std::optional<Contact> find_speculative(const PairStep& step, const RelativeMoti
 /// the wall on its other side.
 ///
 /// @param found    The contact where it is now.
-/// @param allowed  How much nearer than touching the bodies may come by that motion, metres.
+/// @param allowed  How much nearer than touching the bodies may come by that motion, meters.
 void allow_motion(const PairStep& step, const RelativeMotion& motion,
                   std::span<const Feature> features, const Contact& found, double allowed,
                   Contact& plane);

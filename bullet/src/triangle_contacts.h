@@ -38,13 +38,13 @@ class TriangleContacts : private btTriangleCallback {
   /// triangles are looked up once.
   void gather(const btConcaveShape& mesh, const Model& model, const Pose& model_from_mesh,
               float margin);
-  /// Places farther than `apart` from the model touch as planes do, metres.
+  /// Places farther than `apart` from the model touch as planes do, meters.
   std::vector<Contact>& find(const Model& model, const Pose& model_from_mesh, int level,
                              float margin, float apart = std::numeric_limits<float>::infinity());
-  /// Of the nearest of them from the model, metres; infinity where that is not below `margin`.
+  /// Of the nearest of them from the model, meters; infinity where that is not below `margin`.
   double distance(const Model& model, const Pose& model_from_mesh, float margin);
 
-  /// The voxel, or 1/32 of the model's longest side where that is more. Metres.
+  /// The voxel, or 1/32 of the model's longest side where that is more. Meters.
   static float sample_spacing(const Model& model);
 
  private:

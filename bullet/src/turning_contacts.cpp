@@ -12,7 +12,7 @@ void TurningContacts::find(const PairStep& step, std::span<const Contact> contac
   turning_.clear();
   motions_.clear();
   if (!step.solver_turns_contacts) return;
-  const double displacement = length(displacement_of_centres(step));
+  const double displacement = length(displacement_of_centers(step));
   if (displacement < kLeastTurn * step.ball.radius) return;
   const double near = std::max(step.rest_margin, kMostGapOfTurn * kMostTurn * displacement);
   for (const Contact& contact : contacts) {

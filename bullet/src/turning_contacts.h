@@ -12,7 +12,7 @@
 namespace voxshell::bullet {
 
 /// The contacts of a step with which bodies slide or roll along a concave surface, such as a bowl.
-/// There, the contact's plane turns towards the bodies as they move. A solver that keeps to the
+/// There, the contact's plane turns toward the bodies as they move. A solver that keeps to the
 /// plane of the step's start lets them move into the surface, and the next step takes away the part
 /// of their velocity that leads into it: they lose speed in each step. Such contacts end the step
 /// with the speed apart with which the bodies stay outside until its end. They arrive at the next
@@ -37,7 +37,7 @@ class TurningContacts {
     std::uint32_t id;
     Vec3f normal;
     Impact impact;
-    std::optional<double> found;  ///< how much nearer the bodies come, metres
+    std::optional<double> found;  ///< how much nearer the bodies come, meters
     double speed = 0.0;
   };
 

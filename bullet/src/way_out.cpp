@@ -18,7 +18,7 @@ class Overlap {
   Overlap(const PosedPair& pair, float tolerance)
       : pair_(pair), tolerance_(tolerance), field_from_shell_(pair.field_from_shell()) {}
 
-  /// No displacement of less than this ends it, metres; 0 where nothing is known.
+  /// No displacement of less than this ends it, meters; 0 where nothing is known.
   double least_displacement() const {
     double least = 0.0;
     look(field_from_shell_, [&](const Participant& body, const Field& field, const Pose& pose) {
@@ -78,7 +78,7 @@ std::optional<WayOut> find_way_out(const PosedPair& pair, double tolerance) {
   const Pose shell_from_world = pair.shell_side().world_from_geometry().inverse();
   const Ball of_shell = pair.shell_side().bounding_ball();
   const Ball of_field = pair.field_side().bounding_ball();
-  const Vec3 between = shell_from_world.rotate(of_shell.centre - of_field.centre);
+  const Vec3 between = shell_from_world.rotate(of_shell.center - of_field.center);
   std::vector<Vec3> directions;
   if (length(between) > tolerance) directions.push_back(normalized(between));
   for (const Side* side : {&pair.shell_side(), &pair.field_side()}) {

@@ -24,7 +24,7 @@ def torus_distance(points: np.ndarray) -> np.ndarray:
 
 
 def make_bodies() -> dict[str, tuple[trimesh.Trimesh, Callable[[np.ndarray], np.ndarray]]]:
-    """Mesh and distance of each; the torus' facets are within a micrometre of it."""
+    """Mesh and distance of each; the torus' facets are within a micrometer of it."""
     torus = trimesh.creation.torus(MAJOR, MINOR, major_sections=512, minor_sections=256)
     return {
         "box": (trimesh.creation.box(2.0 * HALF).apply_transform(TURN), box_distance),

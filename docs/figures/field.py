@@ -10,7 +10,7 @@ model = vx.Model.from_mesh(make_mug(), voxel_size=VOXEL)
 
 
 def sample(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Distances in the plane y = 0, (len(z), len(x)), millimetres."""
+    """Distances in the plane y = 0, (len(z), len(x)), millimeters."""
     places = np.stack([*np.meshgrid(x, z)], axis=-1)
     points = np.insert(places.reshape(-1, 2), 1, 0.0, axis=1)
     return 1e3 * model.field.sample(points).reshape(len(z), len(x))

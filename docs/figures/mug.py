@@ -1,4 +1,4 @@
-"""A mug of 90 mm: a cup with a handle, metres, standing along z."""
+"""A mug of 90 mm: a cup with a handle, meters, standing along z."""
 
 import manifold3d as m3
 import numpy as np

@@ -1,4 +1,4 @@
-"""A mug's points in the colours of their segments, with the spheres of three levels."""
+"""A mug's points in the colors of their segments, with the spheres of three levels."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,6 +1,6 @@
 """A mesh of your own: what voxshell makes of it.
 
-`--mesh part.stl --scale 0.001` takes a file in millimetres; without it a part with a dent is written first,
+`--mesh part.stl --scale 0.001` takes a file in millimeters; without it a part with a dent is written first,
 with a hole in its surface, as scanned meshes have them. Prints what is worth knowing before use.
 """
 
@@ -16,7 +16,7 @@ options = parse_command(__doc__, mesh=None, scale=0.001)
 path = options.mesh
 if path is None:
     path = options.out / "part.stl"
-    part = trimesh.creation.icosphere(4, radius=50.0)  # millimetres
+    part = trimesh.creation.icosphere(4, radius=50.0)  # millimeters
     part.vertices[:, 2] -= (
         40.0
         * np.exp(-((part.vertices[:, :2] / 20.0) ** 2).sum(axis=1))
@@ -37,7 +37,7 @@ tell(
     options.out,
     {
         "size_mm": [round(1e3 * float(side), 2) for side in np.ptp(model.bounds, axis=0)],
-        "centre_of_mass_mm": [
+        "center_of_mass_mm": [
             round(1e3 * x, 2) for x in model.mass_properties().center_of_mass.tolist()
         ],
         "points": len(model.shell),

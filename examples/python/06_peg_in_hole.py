@@ -2,7 +2,7 @@
 
 A hole of 20 mm in a block with a guide above, and three pegs, dropped by 2 mm, 0.14 mm beside the axis and
 tilted by 0.3 degrees: radii 0.1 and 0.05 mm below the hole's, and 0.1 mm above. The voxels of 0.25 mm are
-larger than the clearance: walls are smooth, and there the field is off by half a micrometre.
+larger than the clearance: walls are smooth, and there the field is off by half a micrometer.
 """
 
 import numpy as np

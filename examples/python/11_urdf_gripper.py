@@ -47,7 +47,7 @@ if __name__ == "__main__":
     colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
-        """Heights of mug and wrist, and the fingers' contacts: depth, metres, and impulse, N s."""
+        """Heights of mug and wrist, and the fingers' contacts: depth, meters, and impulse, N s."""
         found = world.contacts()
         held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
         heights = (body.pose[2, 3] for body in (mug, robot.links["wrist"]))

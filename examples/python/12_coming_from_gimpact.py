@@ -11,7 +11,7 @@ from command import parse_command, tell
 from drawing import draw, plot
 
 RATE, SECONDS = 200.0, 3.0
-RING, THICKNESS, BALL = 0.1, 0.03, 0.06  # radii, metres
+RING, THICKNESS, BALL = 0.1, 0.03, 0.06  # radii, meters
 
 options = parse_command(__doc__)
 sections = {"major_sections": 64, "minor_sections": 24}

@@ -7,7 +7,7 @@ import trimesh
 from trimesh.creation import box, cylinder, revolve, torus
 from trimesh.transformations import rotation_matrix
 
-WALL = 0.037  # metres from the mug's axis to the middle of its wall, 6 mm thick
+WALL = 0.037  # meters from the mug's axis to the middle of its wall, 6 mm thick
 
 
 def block(x, y, z):
@@ -31,7 +31,7 @@ COLUMN = (
 )
 BEAM = block((0, 0.263), (-0.022, 0.022), (-0.016, 0.016))
 FINGER, KNUCKLE = block((-0.006, 0.006), (-0.015, 0.015), (-0.08, 0)), ((-0.02, 0.02), (-0.016, 0))
-LINKS = {  # name: (meshes in its link's frame, metres; color)
+LINKS = {  # name: (meshes in its link's frame, meters; color)
     "column": ([revolve((*COLUMN, (0, 0.36)), sections=64)], "0.35 0.39 0.45 1"),
     "boom": ([rod(0.055, -0.02, 0.03), BEAM, rod(0.032, -0.026, 0.026, 0.263)], "0.90 0.91 0.92 1"),
     "wrist": (
@@ -80,7 +80,7 @@ def write_robot(folder: Path) -> Path:
 
 
 def make_mug() -> trimesh.Trimesh:
-    """90 mm high, standing on its origin, with a handle towards +y."""
+    """90 mm high, standing on its origin, with a handle toward +y."""
     outside = cylinder(0.04, 0.09, sections=64).apply_translation((0, 0, 0.045))
     inside = cylinder(0.034, 0.09, sections=64).apply_translation((0, 0, 0.051))
     handle = torus(0.025, 0.005).apply_transform(rotation_matrix(np.pi / 2, (0, 1, 0)))

@@ -102,7 +102,7 @@ Coordinates to_coordinates(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 /// Center of mass and inertia tensor at 1 kg.
 std::tuple<Coordinates, std::array<Coordinates, 3>> to_tuple(const MassProperties& m) {
-  return {to_coordinates(m.centre_of_mass),
+  return {to_coordinates(m.center_of_mass),
           {to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
            to_coordinates(m.inertia.row_z)}};
 }

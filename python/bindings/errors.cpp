@@ -22,7 +22,7 @@ const char* exception_name(ErrorCode code) {
       return "ModelFileError";
     case ErrorCode::kFileAccess:
       return "FileAccessError";
-    case ErrorCode::kCancelled:
+    case ErrorCode::kCanceled:
       break;
   }
   return "VoxshellError";

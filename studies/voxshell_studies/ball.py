@@ -177,7 +177,7 @@ def _fall(
     )
     recorder = world.record()
     steps = settings.steps
-    centre, speed, turning, depth = np.zeros((4, steps))
+    center, speed, turning, depth = np.zeros((4, steps))
     contacts = np.zeros(steps, np.int64)
     # Per kilogram, for the solid ball.
     inertia = 0.4 * settings.radius**2
@@ -187,12 +187,12 @@ def _fall(
         touching = found[found["depth"] > 0.0] if rule == "published" else found
         contacts[step] = len(touching)
         depth[step] = touching["depth"].max(initial=0.0)
-        centre[step] = ball.pose[2, 3]
+        center[step] = ball.pose[2, 3]
         speed[step] = ball.linear_velocity[2]
         turning[step] = 0.5 * inertia * float(ball.angular_velocity @ ball.angular_velocity)
     columns = {
         "step": np.arange(1, steps + 1),
-        "height": centre,
+        "height": center,
         "speed": speed,
         "turning": turning,
         "contacts": contacts,

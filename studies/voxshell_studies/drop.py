@@ -141,7 +141,7 @@ def run_drop(
     )
 
 
-def summarise(runs: list[DropRun]) -> list[DropSummary]:
+def summarize(runs: list[DropRun]) -> list[DropSummary]:
     """Return the table of runs; ratios need a run of the fine VPS and are NaN without one."""
     full = slice(*FULL_OPERATION)
     medians = {run.method.key: _median(run.narrow_phase[full]) for run in runs}

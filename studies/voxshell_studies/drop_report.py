@@ -65,7 +65,7 @@ def write_results(
             "full_operation_steps": FULL_OPERATION,
             "rest_steps": REST_STEPS,
             "environment": describe_environment(),
-            "units": "seconds, metres, m/s, rad/s",
+            "units": "seconds, meters, m/s, rad/s",
             "methods": [
                 asdict(run.method)
                 | asdict(summary)
@@ -122,7 +122,7 @@ def draw_curves(path: Path, title: str, runs: list[DropRun]) -> None:
         time_axes.plot(steps, time * 1e6, color=color, lw=1.1, label=run.method.label, zorder=above)
         speed_axes.plot(steps, speed, color=color, lw=1.1, zorder=above)
     time_axes.set_ylabel("narrow phase, \N{MICRO SIGN}s a step")
-    speed_axes.set_ylabel("speed of the centre of mass, m/s")
+    speed_axes.set_ylabel("speed of the center of mass, m/s")
     speed_axes.set_xlabel("step")
     for axes in (time_axes, speed_axes):
         axes.set_yscale("log")

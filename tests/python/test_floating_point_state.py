@@ -22,7 +22,7 @@ STATES = {
     "flush to zero": FLUSH_TO_ZERO | DENORMALS_ARE_ZERO,
     "upward": 0x4000,
     "downward": 0x2000,
-    "towards zero": 0x6000,
+    "toward zero": 0x6000,
 }
 
 

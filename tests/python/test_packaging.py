@@ -87,7 +87,7 @@ def test_version_stands_in_one_place():
         assert version not in (ROOT / name).read_text(), name
 
 
-def test_licences_of_what_wheels_carry_are_there():
+def test_licenses_of_what_wheels_carry_are_there():
     texts = {path.stem: path.read_text() for path in (ROOT / "licenses").glob("*.txt")}
     assert texts.keys() == {"bullet", "nanobind", "robin-map"}
     for name, text in texts.items():

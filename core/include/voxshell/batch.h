@@ -16,7 +16,7 @@ struct ContactBatch {
 };
 
 /// find_contacts() for each pose, on `threads` threads (0: one per core), with the same bits for
-/// any number. Error kCancelled if `progress` returned false.
+/// any number. Error kCanceled if `progress` returned false.
 Result<ContactBatch> find_contacts_batch(const Field& field, const PointShell& shell,
                                          std::span<const Pose> field_from_shell,
                                          const ContactOptions& options, unsigned threads = 0,

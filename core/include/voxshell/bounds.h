@@ -21,7 +21,7 @@ struct Bounds {
     extend(b.upper);
   }
   Vec3 extents() const { return upper - lower; }
-  Vec3 centre() const { return 0.5 * (lower + upper); }
+  Vec3 center() const { return 0.5 * (lower + upper); }
   int longest_axis() const {
     const Vec3 e = extents();
     return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;

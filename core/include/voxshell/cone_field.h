@@ -20,8 +20,8 @@ struct ConeField {
   /// axis, where they tie.
   Vec3f gradient(const Vec3f& p) const;
 
-  /// No point within `ball_radius` of `centre` has a smaller distance.
-  float lower_bound(const Vec3f& centre, float ball_radius) const;
+  /// No point within `ball_radius` of `center` has a smaller distance.
+  float lower_bound(const Vec3f& center, float ball_radius) const;
 
   /// The largest coordinate that matters to rounding, meters.
   double reach() const;

@@ -131,7 +131,7 @@ struct EightPoints {
 class GridField {
  public:
   /// Errors: kInvalidArgument; kInvalidMesh (the mesh encloses nothing; or it must be closed, but
-  /// is open, inside out or overlaps itself); kTooLarge; kCancelled.
+  /// is open, inside out or overlaps itself); kTooLarge; kCanceled.
   static Result<GridField> build(const TriangleMesh& mesh, const GridFieldSettings& settings,
                                  const Progress& progress = {});
 
@@ -149,8 +149,8 @@ class GridField {
   /// axis. Unit length outside.
   Vec3f gradient(const Vec3f& p) const;
 
-  /// No point within `radius` of `centre` has a smaller distance.
-  float lower_bound(const Vec3f& centre, float radius) const;
+  /// No point within `radius` of `center` has a smaller distance.
+  float lower_bound(const Vec3f& center, float radius) const;
 
   /// The same for eight points or balls at once: the same bits, in about the time of one.
   EightFloats distances(const EightPoints& points) const;
@@ -158,7 +158,7 @@ class GridField {
     EightFloats distance;  ///< of the center
     EightFloats lower_bound;
   };
-  BallValues bound_balls(const EightPoints& centres, const EightFloats& radii) const;
+  BallValues bound_balls(const EightPoints& centers, const EightFloats& radii) const;
 
   double reach() const;
 

@@ -44,7 +44,7 @@ std::span<const Contact> find_manifold(const Field& field, const PointShell& she
 /// A pose at which a shell may arrive, and how near the field its elements are then to be.
 struct Arrival {
   Pose field_from_shell;
-  float margin;  ///< metres
+  float margin;  ///< meters
 };
 inline constexpr std::size_t kMostArrivals = 4;
 

@@ -10,7 +10,7 @@ namespace voxshell {
 /// tensor is about the center of mass.
 struct MassProperties {
   double mass = 1.0;
-  Vec3 centre_of_mass{};
+  Vec3 center_of_mass{};
   Matrix3 inertia{};
 
   /// The same body with another mass.

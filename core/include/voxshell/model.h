@@ -40,7 +40,7 @@ struct ModelSettings {
 /// share it. Meters, the mesh's frame.
 class Model {
  public:
-  /// Errors: kInvalidArgument, kInvalidMesh, kTooLarge, kCancelled.
+  /// Errors: kInvalidArgument, kInvalidMesh, kTooLarge, kCanceled.
   static Result<std::shared_ptr<const Model>> build(TriangleMesh mesh,
                                                     const ModelSettings& settings,
                                                     const Progress& progress = {});

@@ -17,8 +17,8 @@ struct PlaneField {
   float distance(const Vec3f& p) const;
   Vec3f gradient(const Vec3f& p) const;
 
-  /// No point within `radius` of `centre` has a smaller distance.
-  float lower_bound(const Vec3f& centre, float radius) const;
+  /// No point within `radius` of `center` has a smaller distance.
+  float lower_bound(const Vec3f& center, float radius) const;
 
   /// The largest coordinate that matters to rounding, meters.
   double reach() const;

@@ -54,7 +54,7 @@ class PointShell {
   /// The errors of build() that can be found before the work: kInvalidArgument, kTooLarge.
   static Result<std::monostate> check(const TriangleMesh& mesh, const PointShellSettings& settings);
 
-  /// Errors: kInvalidArgument, kTooLarge, kCancelled.
+  /// Errors: kInvalidArgument, kTooLarge, kCanceled.
   static Result<PointShell> build(const TriangleMesh& mesh, const PointShellSettings& settings,
                                   const Progress& progress = {});
   /// Samples only what is visible of the mesh; null: all of it.

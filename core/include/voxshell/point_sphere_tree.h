@@ -18,7 +18,7 @@ struct TreeView;
 }
 
 struct Sphere {
-  Vec3f centre{};
+  Vec3f center{};
   float radius = 0.0f;
 };
 

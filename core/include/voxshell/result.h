@@ -13,7 +13,7 @@ enum class ErrorCode {
   kInvalidMesh,      ///< the mesh cannot be used: not finite, empty, open, inside out
   kInvalidPose,      ///< a pose is not finite or not a rigid transform
   kTooLarge,         ///< the request would exceed the memory limit
-  kCancelled,        ///< the progress callback asked to stop
+  kCanceled,         ///< the progress callback asked to stop
   kInvalidFile,      ///< a file is damaged, or of another kind or version
   kFileAccess,       ///< a file cannot be opened, read or written
 };

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRigidTolerance = 1e-6;
 
-/// Metres. Beyond, the squares of coordinates would overflow float32, and products of poses
+/// Meters. Beyond, the squares of coordinates would overflow float32, and products of poses
 /// float64.
 constexpr double kFarthest = 1e15;
 

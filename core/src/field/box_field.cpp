@@ -9,8 +9,8 @@ float BoxField::distance(const Vec3f& p) const { return distance_at(view(), p); 
 
 Vec3f BoxField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float BoxField::lower_bound(const Vec3f& centre, float radius) const {
-  return lower_bound_at(view(), centre, radius);
+float BoxField::lower_bound(const Vec3f& center, float radius) const {
+  return lower_bound_at(view(), center, radius);
 }
 
 double BoxField::reach() const { return length(half_extents); }

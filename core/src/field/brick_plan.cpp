@@ -27,14 +27,14 @@ bool are_affine(const std::array<double, 8>& d) {
          std::abs(d[7] - d[0] - x - y - z) <= kTolerance;
 }
 
-/// The fewest cells that are likely to be within tolerance, as the error at the brick's centre
+/// The fewest cells that are likely to be within tolerance, as the error at the brick's center
 /// tells. It falls to a quarter with cells half as large where the field is smooth, to a half where
 /// it has a ridge.
-int choose_cells(const std::array<double, 8>& corners, double at_centre) {
+int choose_cells(const std::array<double, 8>& corners, double at_center) {
   double mean = 0.0;
   for (const double d : corners) mean += d / 8.0;
-  const double error = std::abs(at_centre - std::abs(mean));
-  double tolerance = std::max(at_centre / 32.0, 1.0 / 8.0);
+  const double error = std::abs(at_center - std::abs(mean));
+  double tolerance = std::max(at_center / 32.0, 1.0 / 8.0);
   if (corners[0] < 0.0) tolerance = std::min(tolerance, kToleranceInside);
   if (error <= tolerance) return 1;
   return error <= 3.0 * tolerance ? 2 : 4;
@@ -92,14 +92,14 @@ double find_largest_error(const HalfNodes& nodes, int cells) {
 BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, int least_cells,
                              Work& work) const {
   const auto corners = lattice_.corners_of(brick);
-  work.nearest = tree_.find_nearest(centre_of(brick), work.nearest.guess);
-  BrickPlan plan{.at_centre = work.nearest.distance, .guess = work.nearest.guess};
-  const auto at_centre = static_cast<double>(plan.at_centre);
-  if (are_affine(corners) && is_plane(brick, corners, at_centre, work.nearest.triangle, work)) {
+  work.nearest = tree_.find_nearest(center_of(brick), work.nearest.guess);
+  BrickPlan plan{.at_center = work.nearest.distance, .guess = work.nearest.guess};
+  const auto at_center = static_cast<double>(plan.at_center);
+  if (are_affine(corners) && is_plane(brick, corners, at_center, work.nearest.triangle, work)) {
     plan.region = flat_.region_of(work.nearest.triangle);
   } else {
     plan.cells = least_cells;
-    if (least_cells < 4) plan.cells = std::max(plan.cells, choose_cells(corners, at_centre));
+    if (least_cells < 4) plan.cells = std::max(plan.cells, choose_cells(corners, at_center));
     if (least_cells < kBrickCells && corners[0] < 0.0) {
       plan.cells = std::max(plan.cells, choose_cells_at_ridges(brick, work.nearest.triangle));
     }
@@ -109,14 +109,14 @@ BrickPlan BrickPlanner::plan(const std::array<std::size_t, 3>& brick, int least_
 
 /// Depths have ridges and peaks inside, where they are largest and where cells cut them. Between
 /// the corners of a brick they are told by the points of the surface that are nearest to the
-/// corners and the centre, some of which are nearest, or nearly so, to any place in the brick.
+/// corners and the center, some of which are nearest, or nearly so, to any place in the brick.
 int BrickPlanner::choose_cells_at_ridges(const std::array<std::size_t, 3>& brick,
-                                         std::uint32_t nearest_to_centre) const {
-  const Vec3 centre = centre_of(brick);
+                                         std::uint32_t nearest_to_center) const {
+  const Vec3 center = center_of(brick);
   const double h = grid_.voxel_size;
-  std::array<Vec3, 9> nearest;  // voxels, from the centre
+  std::array<Vec3, 9> nearest;  // voxels, from the center
   const auto find_nearest = [&](const Vec3& offset, std::uint32_t triangle) {
-    const Vec3 from = grid_.origin + h * (centre + offset);
+    const Vec3 from = grid_.origin + h * (center + offset);
     return offset + (closest_point_on_triangle(from, mesh_.corners(triangle)) - from) / h;
   };
   for (std::size_t i = 0; i < 8; ++i) {
@@ -124,7 +124,7 @@ int BrickPlanner::choose_cells_at_ridges(const std::array<std::size_t, 3>& brick
                       (i & 4) != 0 ? kHalfEdge : -kHalfEdge};
     nearest[i] = find_nearest(offset, lattice_.triangles[lattice_.corner(brick, i)]);
   }
-  nearest[8] = find_nearest({}, nearest_to_centre);
+  nearest[8] = find_nearest({}, nearest_to_center);
   HalfNodes depths;
   std::size_t node = 0;
   for (int k = 0; k < kHalfNodes; ++k) {
@@ -146,39 +146,39 @@ int BrickPlanner::choose_cells_at_ridges(const std::array<std::size_t, 3>& brick
 }
 
 bool BrickPlanner::is_plane(const std::array<std::size_t, 3>& brick,
-                            const std::array<double, 8>& corners, double at_centre,
+                            const std::array<double, 8>& corners, double at_center,
                             std::uint32_t nearest, Work& work) const {
   constexpr std::size_t kMostTriangles = 2048;
   constexpr std::size_t kMostToMeasure = 64;
   const double h = grid_.voxel_size;
   const std::uint32_t region = flat_.region_of(nearest);
   const auto& plane = flat_.plane(region);
-  const Vec3 in_voxels = centre_of(brick);
-  const Vec3 centre = grid_.origin + h * in_voxels;
+  const Vec3 in_voxels = center_of(brick);
+  const Vec3 center = grid_.origin + h * in_voxels;
   const auto above = [&](const Vec3& offset) {
-    return (dot(plane.normal, centre) - plane.offset) / h + dot(plane.normal, offset);
+    return (dot(plane.normal, center) - plane.offset) / h + dot(plane.normal, offset);
   };
   const auto is_off = [&](double value, double expected) {
     return !(std::abs(value - expected) <= 1.5 * plane_tolerance_);
   };
-  if (is_off(std::abs(above({})), at_centre)) return false;
+  if (is_off(std::abs(above({})), at_center)) return false;
   for (std::size_t i = 0; i < 8; ++i) {
     const Vec3 offset{(i & 1) != 0 ? kHalfEdge : -kHalfEdge, (i & 2) != 0 ? kHalfEdge : -kHalfEdge,
                       (i & 4) != 0 ? kHalfEdge : -kHalfEdge};
     if (is_off(above(offset), corners[i])) return false;
   }
   // Triangles that may be the nearest of any place in the brick.
-  const double reach_voxels = at_centre + 2.0 * kHalfDiagonal + 1e-3;
+  const double reach_voxels = at_center + 2.0 * kHalfDiagonal + 1e-3;
   const double reach = h * reach_voxels;
   std::vector<std::uint32_t>& nearby = work.nearby;
   if (!tree_.find_within(in_voxels, reach_voxels, kMostTriangles, nearby)) return false;
   std::erase_if(nearby, [&](std::uint32_t triangle) {
-    const Vec3 closest = closest_point_on_triangle(centre, mesh_.corners(triangle));
-    return squared_length(closest - centre) > reach * reach;
+    const Vec3 closest = closest_point_on_triangle(center, mesh_.corners(triangle));
+    return squared_length(closest - center) > reach * reach;
   });
-  if (flat_.spans_cube(nearby, centre, kHalfEdge * h)) return true;
+  if (flat_.spans_cube(nearby, center, kHalfEdge * h)) return true;
   if (nearby.size() > kMostToMeasure) return false;
-  tree_.measure_brick(in_voxels, static_cast<float>(at_centre), work.scratch, work.nodes);
+  tree_.measure_brick(in_voxels, static_cast<float>(at_center), work.scratch, work.nodes);
   std::size_t node = 0;
   for (int k = 0; k <= kBrickCells; ++k) {
     for (int j = 0; j <= kBrickCells; ++j) {

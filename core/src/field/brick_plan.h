@@ -42,12 +42,12 @@ struct CornerLattice {
 struct BrickPlan {
   std::int32_t cells = 0;    ///< along each axis; 0: as a plane
   std::uint32_t region = 0;  ///< of the mesh, whose plane it is
-  float at_centre = 0.0f;    ///< unsigned distance, voxels
-  std::int32_t guess = 0;    ///< what is nearest to the centre, for searches in the brick
+  float at_center = 0.0f;    ///< unsigned distance, voxels
+  std::int32_t guess = 0;    ///< what is nearest to the center, for searches in the brick
 };
 
 /// The middle of a brick, voxels from the grid's origin.
-inline Vec3 centre_of(const std::array<std::size_t, 3>& brick) {
+inline Vec3 center_of(const std::array<std::size_t, 3>& brick) {
   const auto at = [&](std::size_t axis) {
     return static_cast<double>(simd::kBrickCells * brick[axis]) + kHalfEdge;
   };
@@ -79,9 +79,9 @@ class BrickPlanner {
 
  private:
   int choose_cells_at_ridges(const std::array<std::size_t, 3>& brick,
-                             std::uint32_t nearest_to_centre) const;
+                             std::uint32_t nearest_to_center) const;
   bool is_plane(const std::array<std::size_t, 3>& brick, const std::array<double, 8>& corners,
-                double at_centre, std::uint32_t nearest, Work& work) const;
+                double at_center, std::uint32_t nearest, Work& work) const;
 
   const TriangleMesh& mesh_;
   const BrickGrid& grid_;

@@ -9,8 +9,8 @@ float CapsuleField::distance(const Vec3f& p) const { return distance_at(view(), 
 
 Vec3f CapsuleField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float CapsuleField::lower_bound(const Vec3f& centre, float ball_radius) const {
-  return lower_bound_at(view(), centre, ball_radius);
+float CapsuleField::lower_bound(const Vec3f& center, float ball_radius) const {
+  return lower_bound_at(view(), center, ball_radius);
 }
 
 double CapsuleField::reach() const { return radius + length / 2.0; }

@@ -49,7 +49,7 @@ struct Trial {
   double blocks = 0.0;        ///< of eight triangles, that are nearest in a cell there, on average
 };
 
-/// `unit`: of lengths in the tree, metres.
+/// `unit`: of lengths in the tree, meters.
 Trial try_voxels(const TriangleMesh& mesh, const DistanceTree& tree, double unit,
                  const std::vector<Vec3>& places, double h, double tolerance) {
   Trial trial;
@@ -83,9 +83,9 @@ Trial try_voxels(const TriangleMesh& mesh, const DistanceTree& tree, double unit
     if (off % kEvery != 1) continue;
     constexpr double kReach = 0.9;  // voxels
     constexpr std::size_t kMost = 512;
-    const Vec3 centre = first + 0.5 * h * Vec3{1.0, 1.0, 1.0};
+    const Vec3 center = first + 0.5 * h * Vec3{1.0, 1.0, 1.0};
     ++counted;
-    blocks += tree.find_within((1.0 / unit) * (centre - mesh.bounds().lower), kReach * h / unit,
+    blocks += tree.find_within((1.0 / unit) * (center - mesh.bounds().lower), kReach * h / unit,
                                kMost, found)
                   ? static_cast<double>(found.size()) / 8.0
                   : static_cast<double>(kMost) / 8.0;

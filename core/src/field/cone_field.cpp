@@ -11,8 +11,8 @@ float ConeField::distance(const Vec3f& p) const { return distance_at(view(), p);
 
 Vec3f ConeField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float ConeField::lower_bound(const Vec3f& centre, float ball_radius) const {
-  return lower_bound_at(view(), centre, ball_radius);
+float ConeField::lower_bound(const Vec3f& center, float ball_radius) const {
+  return lower_bound_at(view(), center, ball_radius);
 }
 
 double ConeField::reach() const { return std::sqrt(radius * radius + height * height / 4.0); }

@@ -18,7 +18,7 @@ namespace {
 // Fractions of the mesh's longest side.
 constexpr double kConvexTo = 1e-5;
 constexpr double kCoplanarTo = 1e-6;
-/// A triangle lower than this has no normal to trust, and its neighbours bound what it would.
+/// A triangle lower than this has no normal to trust, and its neighbors bound what it would.
 constexpr double kLowest = 1e-10;
 /// Between the normals of triangles of one face: those of slivers may be this far off.
 constexpr double kCoplanarCosine = 0.5;
@@ -150,8 +150,8 @@ float ConvexField::distance(const Vec3f& p) const { return distance_at(view(), p
 
 Vec3f ConvexField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float ConvexField::lower_bound(const Vec3f& centre, float radius) const {
-  return lower_bound_at(view(), centre, radius);
+float ConvexField::lower_bound(const Vec3f& center, float radius) const {
+  return lower_bound_at(view(), center, radius);
 }
 
 simd::ConvexView ConvexField::view() const {

@@ -11,8 +11,8 @@ float CylinderField::distance(const Vec3f& p) const { return distance_at(view(),
 
 Vec3f CylinderField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float CylinderField::lower_bound(const Vec3f& centre, float ball_radius) const {
-  return lower_bound_at(view(), centre, ball_radius);
+float CylinderField::lower_bound(const Vec3f& center, float ball_radius) const {
+  return lower_bound_at(view(), center, ball_radius);
 }
 
 double CylinderField::reach() const { return std::sqrt(radius * radius + length * length / 4.0); }

@@ -62,7 +62,7 @@ std::vector<std::array<Vec3, 3>> find_faulty_edges(const TriangleMesh& mesh) {
   return faulty;
 }
 
-/// Where the limit of the inside runs through a brick without a triangle near, metres; and through
+/// Where the limit of the inside runs through a brick without a triangle near, meters; and through
 /// which faces it goes on: bit 2 axis, plus 1 for the upper face.
 struct Crossings {
   std::vector<Vec3> points;
@@ -196,14 +196,14 @@ std::optional<EnclosingSurface> find_enclosing_surface(
     std::vector<Crossings> found(bricks.size());
     const auto follow = [&](std::size_t i) {
       const auto place = grid.place(bricks[i]);
-      Vec3 centre{};
+      Vec3 center{};
       for (int axis = 0; axis < 3; ++axis) {
-        centre[axis] =
+        center[axis] =
             (static_cast<double>(place[static_cast<std::size_t>(axis)]) + 0.5) * kBrickCells;
       }
       DistanceTree::Scratch scratch;
       std::array<float, cube(kNodes)> distances;
-      tree.measure_brick(centre, tree.find_nearest(centre, 0).distance, scratch, distances);
+      tree.measure_brick(center, tree.find_nearest(center, 0).distance, scratch, distances);
       found[i] = find_crossings(place, grid, inside, distances);
     };
     if (!parallel_for(bricks.size(), threads, kStage, progress, follow)) return std::nullopt;

@@ -18,7 +18,7 @@ struct EnclosingSurface {
   /// What of the mesh bounds it, where that is not all of the mesh.
   std::optional<VisibleSurface> visible;
   std::size_t hidden_triangles = 0;  ///< inside on both sides, wholly or in part
-  Vec3 first_hidden{};               ///< the middle of the first of them, metres
+  Vec3 first_hidden{};               ///< the middle of the first of them, meters
   /// 0, or the steps that were too few to cut the mesh where it crosses itself: all there is then.
   std::size_t spent_steps = 0;
   std::size_t caps = 0;  ///< specks, about one a voxel of the surface across holes

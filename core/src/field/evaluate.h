@@ -21,8 +21,8 @@ Vec3f gradient_at(const View& field, const Vec3f& p) {
 }
 
 template <class View>
-float lower_bound_at(const View& field, const Vec3f& centre, float radius) {
-  return evaluate_lower_bound(field, to_triple(centre), radius);
+float lower_bound_at(const View& field, const Vec3f& center, float radius) {
+  return evaluate_lower_bound(field, to_triple(center), radius);
 }
 
 }  // namespace voxshell

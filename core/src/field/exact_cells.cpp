@@ -105,7 +105,7 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
     const auto a = static_cast<std::size_t>(axis);
     const auto b = (a + 1) % 3;
     const auto c = (a + 2) % 3;
-    // Of each node, how much the difference changes there; negative where it has no neighbours.
+    // Of each node, how much the difference changes there; negative where it has no neighbors.
     std::array<float, cube(kNodes)> change{};
     for (int k = 0; k < kNodes; ++k) {
       for (int j = 0; j < kNodes; ++j) {
@@ -156,7 +156,7 @@ std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
 }  // namespace
 
 struct ExactCellFinder::Job {
-  Vec3 origin;  ///< of the brick, metres
+  Vec3 origin;  ///< of the brick, meters
   std::span<const float> nodes;
   std::array<float, kCells> estimates;
   std::bitset<kCells> passed;  ///< by the surface
@@ -223,11 +223,11 @@ ExactCellFinder::Brick ExactCellFinder::find(std::size_t index, std::span<const 
                                             deepest < 0.0f && least < deep_);
   }
   if (job.wanted.none()) return brick;
-  const Vec3 centre = centre_of(place);
-  const double at_centre = std::abs(static_cast<double>(
+  const Vec3 center = center_of(place);
+  const double at_center = std::abs(static_cast<double>(
       nodes[kBrickCells / 2 * (1 + kNodes * (1 + static_cast<std::size_t>(kNodes)))]));
   constexpr std::size_t kMostInBrick = 1 << 16;
-  if (!tree_.find_within(centre, at_centre + 2.0 * kHalfDiagonal + static_cast<double>(kRounding),
+  if (!tree_.find_within(center, at_center + 2.0 * kHalfDiagonal + static_cast<double>(kRounding),
                          kMostInBrick, work.nearby)) {
     if (job.passed.any()) brick.error = kUnknown;
     return brick;
@@ -278,12 +278,12 @@ void ExactCellFinder::divide(Job& job, const Cube& cube, std::span<const std::ui
   const float half = 0.5f * static_cast<float>(cube.size) * h;
   const auto lowest =
       static_cast<Vec3f>(job.origin + grid_.voxel_size * Vec3{1.0 * x, 1.0 * y, 1.0 * z});
-  const std::array centre{lowest.x + half, lowest.y + half, lowest.z + half};
+  const std::array center{lowest.x + half, lowest.y + half, lowest.z + half};
   const float diagonal = std::sqrt(3.0f) * half;
   std::vector<float>& squared = job.work.distances;
   squared.resize(8 * (triangles.size() + 1));
   kernels.measure_listed(records_.data(), triangles.data(),
-                         static_cast<std::uint32_t>(triangles.size()), centre.data(),
+                         static_cast<std::uint32_t>(triangles.size()), center.data(),
                          squared.data());
   const auto end = squared.begin() + static_cast<std::ptrdiff_t>(triangles.size());
   const float nearest = std::sqrt(*std::min_element(squared.begin(), end));

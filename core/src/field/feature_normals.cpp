@@ -101,7 +101,7 @@ std::vector<float> compute_by_mesh(const TriangleMesh& mesh) {
   return normals;
 }
 
-/// Vertices of triangles that are narrower than `rounding`, metres: what is around them is nearer
+/// Vertices of triangles that are narrower than `rounding`, meters: what is around them is nearer
 /// together than float32 tells apart.
 std::vector<bool> find_needle_vertices(const TriangleMesh& mesh, double rounding) {
   std::vector<bool> found(mesh.vertices().size(), false);

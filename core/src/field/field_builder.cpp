@@ -101,17 +101,17 @@ FieldBuilder::FieldBuilder(const TriangleMesh& mesh, const BrickGridPlan& plan,
 }
 
 std::optional<Error> FieldBuilder::build(GridFieldData& data) {
-  Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
-  if (!measure_corners()) return cancelled;
+  Error canceled{ErrorCode::kCanceled, "building the distance field was stopped"};
+  if (!measure_corners()) return canceled;
   if (auto overlapping = check_overlap()) return overlapping;
-  if (!plan_bricks()) return cancelled;
+  if (!plan_bricks()) return canceled;
   if (!place_bricks(data)) {
     return Error{ErrorCode::kTooLarge,
                  format_text("a distance field of voxel size %.3g m has more samples than can be "
                              "numbered; use a voxel size of at least %.3g m",
                              grid_.voxel_size, 1.2 * grid_.voxel_size)};
   }
-  if (!fill_bricks(data)) return cancelled;
+  if (!fill_bricks(data)) return canceled;
   if (auto overlapping = check_overlap()) return overlapping;
   measure_plane_surroundings(data, threads_);
   return std::nullopt;
@@ -240,7 +240,7 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
       if (plan.cells == 1) {
         std::copy(corners.begin(), corners.end(), nodes.begin());
       } else if (plan.cells == kBrickCells) {
-        tree_.measure_brick(centre_of(place), plan.at_centre, scratch, nodes);
+        tree_.measure_brick(center_of(place), plan.at_center, scratch, nodes);
         sign_fine(place, nodes, result.overlap);
         if (exact_) {
           auto exact = exact_->find(brick, nodes, exact_work);
@@ -303,13 +303,13 @@ bool FieldBuilder::fill_bricks(GridFieldData& data) {
   return true;
 }
 
-/// Unsigned. Those at the corners and the centre are known, and those on the side shared with the
+/// Unsigned. Those at the corners and the center are known, and those on the side shared with the
 /// brick before this one are among that one's, `before`, if it has as many.
 void FieldBuilder::measure_coarse(const std::array<std::size_t, 3>& brick, const BrickPlan& plan,
                                   std::span<const float> before, std::span<float> nodes) const {
   const auto cells = static_cast<std::size_t>(plan.cells);
   const double spacing = static_cast<double>(kBrickCells) / plan.cells;
-  const Vec3 first = centre_of(brick) - Vec3{kHalfEdge, kHalfEdge, kHalfEdge};
+  const Vec3 first = center_of(brick) - Vec3{kHalfEdge, kHalfEdge, kHalfEdge};
   const auto corners = lattice_.corners_of(brick);
   const auto is_end = [&](std::size_t i) { return i == 0 || i == cells; };
   DistanceTree::Nearest nearest{};
@@ -321,7 +321,7 @@ void FieldBuilder::measure_coarse(const std::array<std::size_t, 3>& brick, const
         if (is_end(i) && is_end(j) && is_end(k)) {
           nodes[node] = static_cast<float>(std::abs(corners[(i + 2 * j + 4 * k) / cells]));
         } else if (2 * i == cells && 2 * j == cells && 2 * k == cells) {
-          nodes[node] = plan.at_centre;
+          nodes[node] = plan.at_center;
         } else if (i == 0 && !before.empty()) {
           nodes[node] = before[node + cells];
         } else {

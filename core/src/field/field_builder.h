@@ -49,7 +49,7 @@ class FieldBuilder {
                const GridFieldSettings& settings, const Inside& inside, const Progress& progress,
                Features features);
 
-  /// What stopped it, if anything did: kCancelled, kTooLarge, and kInvalidMesh where overlap() is
+  /// What stopped it, if anything did: kCanceled, kTooLarge, and kInvalidMesh where overlap() is
   /// not empty, which is seen as early as can be.
   std::optional<Error> build(GridFieldData& data);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// For side i of triangle t, at 3 t + i, the other triangle of an edge that has two.
-std::vector<std::uint32_t> find_neighbours(const TriangleMesh& mesh) {
+std::vector<std::uint32_t> find_neighbors(const TriangleMesh& mesh) {
   const auto triangles = mesh.triangles();
   std::vector<std::uint32_t> first(mesh.vertices().size() + 1, 0);
   const auto low_end = [&](std::size_t side) {
@@ -29,7 +29,7 @@ std::vector<std::uint32_t> find_neighbours(const TriangleMesh& mesh) {
   for (std::size_t side = 0; side < sides; ++side) {
     by_vertex[next[low_end(side)]++] = static_cast<std::uint32_t>(side);
   }
-  std::vector<std::uint32_t> neighbours(sides, kNone);
+  std::vector<std::uint32_t> neighbors(sides, kNone);
   for (std::size_t v = 0; v + 1 < first.size(); ++v) {
     const auto begin = by_vertex.begin() + first[v];
     const auto end = by_vertex.begin() + first[v + 1];
@@ -40,22 +40,22 @@ std::vector<std::uint32_t> find_neighbours(const TriangleMesh& mesh) {
       auto b = a + 1;
       while (b != end && high_end(*b) == high_end(*a)) ++b;
       if (b - a == 2) {
-        neighbours[a[0]] = a[1] / 3;
-        neighbours[a[1]] = a[0] / 3;
+        neighbors[a[0]] = a[1] / 3;
+        neighbors[a[1]] = a[0] / 3;
       }
       a = b;
     }
   }
-  return neighbours;
+  return neighbors;
 }
 
 }  // namespace
 
 FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
     : mesh_(mesh), regions_(mesh.triangles().size(), kNone), rims_(mesh.triangles().size(), 0) {
-  const std::vector<std::uint32_t> neighbours = find_neighbours(mesh);
+  const std::vector<std::uint32_t> neighbors = find_neighbors(mesh);
   const auto sides_of = [&](std::uint32_t triangle) {
-    return neighbours.data() + std::size_t{3} * triangle;
+    return neighbors.data() + std::size_t{3} * triangle;
   };
   const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
   std::vector<Vec3> doubled(count);
@@ -74,7 +74,7 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
     const Vec3 normal = normalized(doubled[triangle]);
     return Plane{normal, dot(normal, mesh.corners(triangle)[0])};
   };
-  // Those with a neighbour in their plane come first, the largest in front: its plane is the most
+  // Those with a neighbor in their plane come first, the largest in front: its plane is the most
   // exact.
   std::vector<std::uint32_t> seeds;
   std::vector<std::uint32_t> alone;
@@ -120,7 +120,7 @@ FlatRegions::FlatRegions(const TriangleMesh& mesh, double tolerance)
   }
 }
 
-bool FlatRegions::spans_cube(std::span<const std::uint32_t> triangles, const Vec3& centre,
+bool FlatRegions::spans_cube(std::span<const std::uint32_t> triangles, const Vec3& center,
                              double half_edge) const {
   if (triangles.empty()) return false;
   const std::uint32_t region = regions_[triangles[0]];
@@ -137,8 +137,8 @@ bool FlatRegions::spans_cube(std::span<const std::uint32_t> triangles, const Vec
   }
   const auto is_apart = [&](const Vec3& axis, const Vec3& a, const Vec3& b) {
     const double half = half_edge * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z));
-    const double from_a = dot(axis, a - centre);
-    const double from_b = dot(axis, b - centre);
+    const double from_a = dot(axis, a - center);
+    const double from_b = dot(axis, b - center);
     return std::min(from_a, from_b) > half || std::max(from_a, from_b) < -half;
   };
   for (const std::uint32_t triangle : triangles) {

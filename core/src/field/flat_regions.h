@@ -12,7 +12,7 @@ namespace voxshell {
 /// largest of them.
 class FlatRegions {
  public:
-  /// Corners may be off the plane by `tolerance`, metres.
+  /// Corners may be off the plane by `tolerance`, meters.
   FlatRegions(const TriangleMesh& mesh, double tolerance);
 
   struct Plane {
@@ -25,7 +25,7 @@ class FlatRegions {
 
   /// True where the triangles are of one region, and every line through the cube along its normal
   /// meets the region or none does.
-  bool spans_cube(std::span<const std::uint32_t> triangles, const Vec3& centre,
+  bool spans_cube(std::span<const std::uint32_t> triangles, const Vec3& center,
                   double half_edge) const;
 
  private:

@@ -112,9 +112,9 @@ Vec3f GridField::gradient(const Vec3f& p) const {
   return gradient;
 }
 
-float GridField::lower_bound(const Vec3f& centre, float radius) const {
+float GridField::lower_bound(const Vec3f& center, float radius) const {
   return with_view([&](const auto& grid) {
-    return simd::portable::evaluate_lower_bound(grid, to_triple(centre), radius);
+    return simd::portable::evaluate_lower_bound(grid, to_triple(center), radius);
   });
 }
 
@@ -126,11 +126,11 @@ EightFloats GridField::distances(const EightPoints& points) const {
   return distances;
 }
 
-GridField::BallValues GridField::bound_balls(const EightPoints& centres,
+GridField::BallValues GridField::bound_balls(const EightPoints& centers,
                                              const EightFloats& radii) const {
   BallValues values;
   with_view([&]<class G>(const G& grid) {
-    simd::grid_sampling<G>().bound_balls(grid, to_rows(centres), radii.data(),
+    simd::grid_sampling<G>().bound_balls(grid, to_rows(centers), radii.data(),
                                          values.distance.data(), values.lower_bound.data());
   });
   return values;

@@ -118,7 +118,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
                   report.defects.open_edges, report.defects.non_manifold_edges,
                   report.defects.flipped_edges,
                   format_point(report.defects.first_location).c_str())};
-  const Error cancelled{ErrorCode::kCancelled, "building the distance field was stopped"};
+  const Error canceled{ErrorCode::kCanceled, "building the distance field was stopped"};
   const BrickGrid& grid = plan.grid;
   InsideByWindingNumbers inside(grid, mesh.bounds(), *cutter);
   bool was_stopped = false;
@@ -128,7 +128,7 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
   };
   auto surface = find_enclosing_surface(mesh, cutter, grid, inside, kLeastConfidence,
                                         settings.threads, watched);
-  if (!surface) return was_stopped ? cancelled : no_volume;
+  if (!surface) return was_stopped ? canceled : no_volume;
   report.confidence = surface->confidence;
   if (report.confidence < kLeastConfidence) {
     return Error{

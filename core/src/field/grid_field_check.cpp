@@ -17,7 +17,7 @@ namespace voxshell {
 namespace {
 
 /// Far beyond any mesh, and small enough for sums and squares in float32.
-constexpr double kLargestLength = 1e15;  // metres
+constexpr double kLargestLength = 1e15;  // meters
 constexpr double kSmallestVoxel = 1e-15;
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }

@@ -33,7 +33,7 @@ class InsideByRows : public Inside {
  public:
   InsideByRows(const BrickGrid& grid, const RowWinding& winding) : grid_(grid), winding_(winding) {}
   /// Of meshes that overlap themselves: what is enclosed several times counts once, what is inside
-  /// out not at all. Gaps narrower than `rounding`, metres, are none.
+  /// out not at all. Gaps narrower than `rounding`, meters, are none.
   InsideByRows(const BrickGrid& grid, const RowWinding& winding, double rounding)
       : grid_(grid), winding_(winding), is_union_(true), rounding_(rounding) {}
 
@@ -73,7 +73,7 @@ class InsideByWindingNumbers : public Inside {
   /// Sides that need not be found again.
   void remember(KnownSides sides) { known_ = std::move(sides); }
 
-  /// The winding numbers at places, metres, where they may be above a half, and 0 elsewhere.
+  /// The winding numbers at places, meters, where they may be above a half, and 0 elsewhere.
   void compute(std::span<const Vec3> places, std::span<double> numbers) const;
 
   void find_corners(std::size_t brick_y, std::size_t brick_z, std::span<int> layers) const override;

@@ -11,8 +11,8 @@ float PlaneField::distance(const Vec3f& p) const { return distance_at(view(), p)
 
 Vec3f PlaneField::gradient(const Vec3f& p) const { return gradient_at(view(), p); }
 
-float PlaneField::lower_bound(const Vec3f& centre, float radius) const {
-  return lower_bound_at(view(), centre, radius);
+float PlaneField::lower_bound(const Vec3f& center, float radius) const {
+  return lower_bound_at(view(), center, radius);
 }
 
 double PlaneField::reach() const { return std::abs(offset); }

@@ -29,7 +29,7 @@ class PlaneOfBricks {
         edge_(simd::kBrickCells * data.voxel_size),
         at_origin_(dot(normal_, data.origin) - static_cast<double>(data.planes[4 * index + 3])) {}
 
-  /// Its smallest distance in a box whose corners are told in bricks from the grid's, metres.
+  /// Its smallest distance in a box whose corners are told in bricks from the grid's, meters.
   double lowest_in(const Vec3& lower, const Vec3& upper) const {
     Vec3 lowest;
     for (int axis = 0; axis < 3; ++axis) {
@@ -70,17 +70,17 @@ class Surroundings {
       : data_(data), lowest_values_(lowest_values), plane_index_(plane), plane_(data, plane) {}
 
   /// How many bricks around one matter not, in every direction; `known` of them do not.
-  int measure(const Place& centre, int known) const {
+  int measure(const Place& center, int known) const {
     int around = known;
-    while (around < kMostAround && is_clear(centre, around + 1)) ++around;
+    while (around < kMostAround && is_clear(center, around + 1)) ++around;
     return around;
   }
 
  private:
-  /// Whether all bricks that are `away` from the centre along some axis, and no farther along any,
+  /// Whether all bricks that are `away` from the center along some axis, and no farther along any,
   /// hold the plane, or neither it nor the field is below the margin there.
-  bool is_clear(const Place& centre, int away) const {
-    const auto [x, y, z] = centre;
+  bool is_clear(const Place& center, int away) const {
+    const auto [x, y, z] = center;
     for (int k = -away; k <= away; ++k) {
       for (int j = -away; j <= away; ++j) {
         const bool is_face = std::abs(k) == away || std::abs(j) == away;

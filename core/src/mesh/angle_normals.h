@@ -10,7 +10,7 @@
 
 namespace voxshell {
 
-/// The least height of a triangle, metres; 0 where it has no area.
+/// The least height of a triangle, meters; 0 where it has no area.
 double measure_height(const std::array<Vec3, 3>& corners);
 
 /// The normals of places of a surface, which tell its inside from its outside: the means of the
@@ -19,7 +19,7 @@ double measure_height(const std::array<Vec3, 3>& corners);
 /// reference to the mesh.
 class AngleNormals {
  public:
-  /// `rounding`: triangles this near to a place, metres, meet there.
+  /// `rounding`: triangles this near to a place, meters, meet there.
   AngleNormals(const TriangleMesh& mesh, double rounding);
 
   /// Not of unit length.

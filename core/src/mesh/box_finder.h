@@ -91,7 +91,7 @@ class BoxFinder {
   static std::vector<std::uint32_t> order(const std::vector<Bounds>& boxes) {
     std::vector<Vec3> middles;
     middles.reserve(boxes.size());
-    for (const Bounds& box : boxes) middles.push_back(box.centre());
+    for (const Bounds& box : boxes) middles.push_back(box.center());
     return order_by_place(middles);
   }
 

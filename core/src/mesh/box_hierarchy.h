@@ -30,7 +30,7 @@ class BoxHierarchy {
     std::array<F8, 3> upper;
   };
 
-  /// `items` are the boxes of the items; they are grown by `slack` metres on each side.
+  /// `items` are the boxes of the items; they are grown by `slack` meters on each side.
   BoxHierarchy(std::span<const Bounds> items, double slack);
 
   /// Calls `visit(run)` for the runs whose boxes are not farther than `limit`, which it may lower;

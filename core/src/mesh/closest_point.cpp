@@ -86,18 +86,18 @@ void ClosestPointTree::build_node(std::uint32_t begin, std::uint32_t end,
                                   std::vector<Bounds>& triangle_bounds) {
   const std::size_t self = nodes_.size();
   nodes_.push_back({{}, begin, end - begin});
-  Bounds centres;
+  Bounds centers;
   for (std::uint32_t i = begin; i < end; ++i) {
     nodes_[self].bounds.extend(triangle_bounds[order_[i]]);
-    centres.extend(triangle_bounds[order_[i]].centre());
+    centers.extend(triangle_bounds[order_[i]].center());
   }
   if (end - begin <= kLeafTriangles) return;
 
-  const int axis = centres.longest_axis();
+  const int axis = centers.longest_axis();
   const std::uint32_t middle = begin + (end - begin) / 2;
   const auto before = [&](std::uint32_t a, std::uint32_t b) {
-    const double ca = triangle_bounds[a].centre()[axis];
-    const double cb = triangle_bounds[b].centre()[axis];
+    const double ca = triangle_bounds[a].center()[axis];
+    const double cb = triangle_bounds[b].center()[axis];
     return ca != cb ? ca < cb : a < b;
   };
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, before);

@@ -23,7 +23,7 @@ class ClosestPointTree {
   explicit ClosestPointTree(const TriangleMesh& mesh);
 
   /// The closest point of the mesh. `guess` is any triangle; a near one, such as the answer for a
-  /// neighbouring point, makes the search short and does not change the distance found.
+  /// neighboring point, makes the search short and does not change the distance found.
   ClosestPoint find_closest(const Vec3& p, std::uint32_t guess = 0) const;
 
  private:

@@ -158,17 +158,17 @@ std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const Be
                                     double tolerance) {
   std::vector<Bending> bending(facets.areas.size());
   for (std::size_t i = 0; i < bending.size(); ++i) bending[i].area = facets.areas[i];
-  std::vector<std::array<std::uint32_t, 2>> neighbours;
+  std::vector<std::array<std::uint32_t, 2>> neighbors;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (is_barrier[i]) continue;
-    neighbours.push_back(edges[i].triangles);
+    neighbors.push_back(edges[i].triangles);
     const Vec3 along = mesh.vertices()[edges[i].to] - mesh.vertices()[edges[i].from];
     const double size = length(along);
     for (const std::uint32_t triangle : edges[i].triangles) {
       bending[triangle].add(along / size, edges[i].bend * size);
     }
   }
-  // Each round adds what is around the neighbours: it spreads as random walks do, over some 3.6
+  // Each round adds what is around the neighbors: it spreads as random walks do, over some 3.6
   // triangles more. A triangle is done where this area is as large as the spacing that it asks for.
   constexpr int kMostRounds = 32;
   constexpr double kTrianglesARound = 3.6;
@@ -189,7 +189,7 @@ std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const Be
     }
     if (left == 0) return spacings;
     wider = bending;
-    for (const auto& [a, b] : neighbours) {
+    for (const auto& [a, b] : neighbors) {
       wider[a].add(bending[b]);
       wider[b].add(bending[a]);
     }
@@ -200,10 +200,10 @@ std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const Be
 /// What is around a vertex.
 struct Surroundings {
   Vec3 normal{};
-  Vec3 neighbours{};     ///< their sum
+  Vec3 neighbors{};      ///< their sum
   double edges = 0.0;    ///< the sum of their lengths
   double spacing = 0.0;  ///< the least of its triangles'
-  std::uint32_t neighbour_count = 0;
+  std::uint32_t neighbor_count = 0;
   std::uint32_t sharp_count = 0;
   Vec3 first_direction{};  ///< along the first of its sharp edges
   bool turns = false;      ///< where it has two
@@ -231,9 +231,9 @@ std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const BentE
     const Vec3 along = way / size;
     const auto visit = [&](std::uint32_t vertex, std::uint32_t other, const Vec3& direction) {
       Surroundings& s = around[vertex];
-      s.neighbours += vertices[other];
+      s.neighbors += vertices[other];
       s.edges += size;
-      ++s.neighbour_count;
+      ++s.neighbor_count;
       if (!is_sharp_edge[i]) return;
       if (s.sharp_count++ == 0) s.first_direction = direction;
       if (s.sharp_count == 2) s.turns = dot(direction, s.first_direction) > -kTwentyDegrees;
@@ -247,10 +247,10 @@ std::vector<Corner> find_corners(const TriangleMesh& mesh, std::span<const BentE
     const Vec3 normal = normalized(s.normal);
     bool is_corner = s.sharp_count != 2 || s.turns;
     if (s.sharp_count == 0) {
-      const Vec3 middle = s.neighbours / static_cast<double>(s.neighbour_count);
+      const Vec3 middle = s.neighbors / static_cast<double>(s.neighbor_count);
       // Facets that points lie more densely than take their vertices in.
       is_corner = dot(normal, vertices[v] - middle) > tolerance &&
-                  s.edges >= s.spacing * static_cast<double>(s.neighbour_count);
+                  s.edges >= s.spacing * static_cast<double>(s.neighbor_count);
     }
     if (is_corner) corners.push_back({v, normal});
   }

@@ -18,7 +18,7 @@ struct BentEdge {
   /// Tangent of half of the angle between the two triangles' normals: 0 where they lie in one
   /// plane, above 0 where the edge is convex, below where it is concave.
   double bend;
-  double width;  ///< mean height of its triangles above it, metres
+  double width;  ///< mean height of its triangles above it, meters
 };
 
 /// A vertex that sticks out of the surface around it.
@@ -38,12 +38,12 @@ struct Creases {
   /// cones.
   std::vector<Corner> corners;
   /// How far apart points may be on each triangle, by the largest convex curvature about it beside
-  /// its sharp edges; metres, infinity where it is flat. The curvature is that of surroundings
+  /// its sharp edges; meters, infinity where it is flat. The curvature is that of surroundings
   /// about as large as the spacing itself, so that roughness below the tolerance does not count.
   std::vector<double> spacings;
 };
 
-/// Finds what a shell must hold to miss no more than `tolerance`, metres. Faces that are split into
+/// Finds what a shell must hold to miss no more than `tolerance`, meters. Faces that are split into
 /// triangles have no creases, nor has a finely tessellated smooth surface. Deterministic.
 Creases find_creases(const TriangleMesh& mesh, double tolerance);
 

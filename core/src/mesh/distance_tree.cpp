@@ -85,7 +85,7 @@ DistanceTree::DistanceTree(const TriangleMesh& mesh, const Vec3& origin, double 
   order_triangles(mesh, threads);
   const std::size_t blocks = blocks_for(order_.size());
   blocks_.resize(blocks * simd::kBlockFloats);
-  centres_.resize(3 * blocks);
+  centers_.resize(3 * blocks);
   std::vector<Bounds> bounds(blocks);
   constexpr std::size_t kChunk = 256;
   parallel_for((blocks + kChunk - 1) / kChunk, threads, {}, {}, [&](std::size_t chunk) {
@@ -100,12 +100,12 @@ DistanceTree::DistanceTree(const TriangleMesh& mesh, const Vec3& origin, double 
           bounds[block].extend(corner);
         }
       }
-      const auto centre = static_cast<Vec3f>(bounds[block].centre());
+      const auto center = static_cast<Vec3f>(bounds[block].center());
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        centres_[3 * block + axis] = centre[static_cast<int>(axis)];
+        centers_[3 * block + axis] = center[static_cast<int>(axis)];
       }
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        for (Vec3& corner : triangles[lane]) corner = corner - static_cast<Vec3>(centre);
+        for (Vec3& corner : triangles[lane]) corner = corner - static_cast<Vec3>(center);
         write_triangle(triangles[lane], &blocks_[block * simd::kBlockFloats + lane]);
       }
     }
@@ -122,22 +122,22 @@ void DistanceTree::order_triangles(const TriangleMesh& mesh, unsigned threads) {
   const std::size_t count = mesh.triangles().size();
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<Vec3f> centres(count);
+  std::vector<Vec3f> centers(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto [a, b, c] = mesh.corners(i);
-    centres[i] = static_cast<Vec3f>((a + b + c) / 3.0);
+    centers[i] = static_cast<Vec3f>((a + b + c) / 3.0);
   }
   struct Range {
     std::size_t begin;
     std::size_t end;
   };
   const auto split = [&](const Range& range) {
-    Vec3f lower = centres[order_[range.begin]];
+    Vec3f lower = centers[order_[range.begin]];
     Vec3f upper = lower;
     for (std::size_t i = range.begin; i < range.end; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        lower[axis] = std::min(lower[axis], centres[order_[i]][axis]);
-        upper[axis] = std::max(upper[axis], centres[order_[i]][axis]);
+        lower[axis] = std::min(lower[axis], centers[order_[i]][axis]);
+        upper[axis] = std::max(upper[axis], centers[order_[i]][axis]);
       }
     }
     const Vec3f extents = upper - lower;
@@ -149,7 +149,7 @@ void DistanceTree::order_triangles(const TriangleMesh& mesh, unsigned threads) {
     const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
     std::nth_element(
         at(range.begin), at(middle), at(range.end), [&](std::uint32_t a, std::uint32_t b) {
-          return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+          return centers[a][axis] != centers[b][axis] ? centers[a][axis] < centers[b][axis] : a < b;
         });
     return middle;
   };
@@ -216,7 +216,7 @@ std::int32_t DistanceTree::build_node(std::size_t first_block, std::size_t block
 }
 
 simd::MeshTreeView DistanceTree::view() const {
-  return {nodes_.data(), blocks_.data(), centres_.data(), slack_};
+  return {nodes_.data(), blocks_.data(), centers_.data(), slack_};
 }
 
 DistanceTree::Nearest DistanceTree::find_nearest(const Vec3& p, std::int32_t guess) const {
@@ -243,7 +243,7 @@ bool DistanceTree::find_within(const Vec3& p, double radius, std::size_t most,
   return count >= 0;
 }
 
-void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& scratch,
+void DistanceTree::measure_brick(const Vec3& center, float at_center, Scratch& scratch,
                                  std::span<float> distances) const {
   if (!scratch.floats) {
     // A megabyte, of which most bricks need little.
@@ -263,7 +263,7 @@ void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& s
                                 blocks + kMostBlocks,
                                 blocks + kMostBlocks * (1 + kLanes)};
   const auto& kernels = simd::mesh_distance_kernels();
-  if (kernels.measure_brick(view(), std::array{centre.x, centre.y, centre.z}.data(), at_centre,
+  if (kernels.measure_brick(view(), std::array{center.x, center.y, center.z}.data(), at_center,
                             work, distances.data())) {
     return;
   }
@@ -271,7 +271,7 @@ void DistanceTree::measure_brick(const Vec3& centre, float at_centre, Scratch& s
   for (std::size_t node = 0; node < distances.size(); ++node) {
     const std::array<std::size_t, 3> place{node % 9, node / 9 % 9, node / 81};
     const Vec3 p =
-        centre + Vec3{static_cast<double>(place[0]) - 4.0, static_cast<double>(place[1]) - 4.0,
+        center + Vec3{static_cast<double>(place[0]) - 4.0, static_cast<double>(place[1]) - 4.0,
                       static_cast<double>(place[2]) - 4.0};
     nearest = find_nearest(p, nearest.guess);
     distances[node] = nearest.distance;

@@ -15,7 +15,7 @@ namespace voxshell {
 /// closest points are ClosestPointTree's. Lengths in voxels, positions from the grid's origin.
 class DistanceTree {
  public:
-  /// `origin` in metres, the mesh's frame.
+  /// `origin` in meters, the mesh's frame.
   DistanceTree(const TriangleMesh& mesh, const Vec3& origin, double voxel_size, unsigned threads);
 
   struct Nearest {
@@ -36,9 +36,9 @@ class DistanceTree {
     std::unique_ptr<std::int32_t[]> indices;
     std::unique_ptr<float[]> floats;
   };
-  /// Distances of 9^3 nodes a voxel apart, x fastest, with `centre` in the middle, whose own
-  /// distance is `at_centre`.
-  void measure_brick(const Vec3& centre, float at_centre, Scratch& scratch,
+  /// Distances of 9^3 nodes a voxel apart, x fastest, with `center` in the middle, whose own
+  /// distance is `at_center`.
+  void measure_brick(const Vec3& center, float at_center, Scratch& scratch,
                      std::span<float> distances) const;
 
   simd::MeshTreeView view() const;
@@ -51,7 +51,7 @@ class DistanceTree {
   std::vector<std::uint32_t> order_;  ///< triangles, block by block
   std::vector<simd::BoxNode> nodes_;
   std::vector<float> blocks_;
-  std::vector<float> centres_;
+  std::vector<float> centers_;
   float slack_ = 0.0f;
 };
 

@@ -43,12 +43,12 @@ struct Moments {
 MassProperties MassProperties::with_mass(double new_mass) const {
   const double ratio = new_mass / mass;
   return {new_mass,
-          centre_of_mass,
+          center_of_mass,
           {inertia.row_x * ratio, inertia.row_y * ratio, inertia.row_z * ratio}};
 }
 
 MassProperties compute_solid_mass_properties(const TriangleMesh& mesh) {
-  const Vec3 origin = mesh.bounds().centre();
+  const Vec3 origin = mesh.bounds().center();
   Moments moments;
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
     const auto [a, b, c] = mesh.corners(i);
@@ -60,7 +60,7 @@ MassProperties compute_solid_mass_properties(const TriangleMesh& mesh) {
 }
 
 MassProperties compute_surface_mass_properties(const TriangleMesh& mesh) {
-  const Vec3 origin = mesh.bounds().centre();
+  const Vec3 origin = mesh.bounds().center();
   Moments moments;
   for (std::size_t i = 0; i < mesh.triangles().size(); ++i) {
     const auto [a, b, c] = mesh.corners(i);

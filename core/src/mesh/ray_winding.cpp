@@ -20,7 +20,7 @@ Vec3 turn(const Vec3& p) {
           -0.3496 * p.x - 0.2663 * p.y + 0.8983 * p.z};
 }
 
-/// How an edge from `a` to `b` counts towards the turns around a place as seen along x: 1 or -1
+/// How an edge from `a` to `b` counts toward the turns around a place as seen along x: 1 or -1
 /// where it passes the half plane of larger y upward or downward, in z. The edge in the other
 /// direction counts as the negative of it, whatever the rounding.
 int pass(const Vec3& a, const Vec3& b, const Vec3& p) {
@@ -34,7 +34,7 @@ int pass(const Vec3& a, const Vec3& b, const Vec3& p) {
 }  // namespace
 
 std::vector<RayWinding::Facet> RayWinding::turn_triangles(const TriangleMesh& mesh) {
-  const Vec3 centre = mesh.bounds().centre();
+  const Vec3 center = mesh.bounds().center();
   std::vector<Facet> facets;
   facets.reserve(mesh.triangles().size());
   for (Triangle t : mesh.triangles()) {
@@ -47,7 +47,7 @@ std::vector<RayWinding::Facet> RayWinding::turn_triangles(const TriangleMesh& me
     sort(0, 1);
     sort(1, 2);
     sort(0, 1);
-    const auto at = [&](std::uint32_t v) { return turn(mesh.vertices()[v] - centre); };
+    const auto at = [&](std::uint32_t v) { return turn(mesh.vertices()[v] - center); };
     const Vec3 a = at(t[0]);
     const Vec3 b = at(t[1]);
     const Vec3 c = at(t[2]);
@@ -57,7 +57,7 @@ std::vector<RayWinding::Facet> RayWinding::turn_triangles(const TriangleMesh& me
 }
 
 RayWinding::RayWinding(const TriangleMesh& mesh)
-    : centre_(mesh.bounds().centre()), facets_(turn_triangles(mesh)), finder_([&] {
+    : center_(mesh.bounds().center()), facets_(turn_triangles(mesh)), finder_([&] {
         std::vector<Bounds> boxes;
         boxes.reserve(facets_.size());
         for (const Facet& facet : facets_) boxes.push_back(bound_triangle(facet.corners));
@@ -77,7 +77,7 @@ int RayWinding::Facet::encircle(const Vec3& p) const {
 
 std::optional<std::array<int, 2>> RayWinding::compute(const std::array<Vec3, 2>& places,
                                                       std::size_t& steps) const {
-  const std::array<Vec3, 2> p{turn(places[0] - centre_), turn(places[1] - centre_)};
+  const std::array<Vec3, 2> p{turn(places[0] - center_), turn(places[1] - center_)};
   Bounds box;
   for (const Vec3& place : p) box.extend(place);
   box = widen(box, rounding_);

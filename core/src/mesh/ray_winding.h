@@ -13,7 +13,7 @@ namespace voxshell {
 /// Winding numbers of a balanced mesh, at each of whose edges as many triangles run one way as the
 /// other: how often it encloses a place, by the triangles that a ray from there leaves and enters
 /// through. Whole, and found in time that grows with the triangles that the ray meets, where solid
-/// angles take time that grows with all triangles near. Keeps no reference to the mesh. Metres.
+/// angles take time that grows with all triangles near. Keeps no reference to the mesh. Meters.
 class RayWinding {
  public:
   explicit RayWinding(const TriangleMesh& mesh);
@@ -36,7 +36,7 @@ class RayWinding {
 
   static std::vector<Facet> turn_triangles(const TriangleMesh& mesh);
 
-  Vec3 centre_;
+  Vec3 center_;
   std::vector<Facet> facets_;
   BoxFinder finder_;
   Bounds bounds_;    ///< of the facets

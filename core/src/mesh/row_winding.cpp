@@ -52,7 +52,7 @@ std::optional<Hit> intersect(const TriangleMesh& mesh, const Triangle& t, const 
   const double high = std::max({opposite_0, opposite_1, opposite_2});
   if (low < 0.0 && high > 0.0) return std::nullopt;
   if (low == 0.0 || high == 0.0) {
-    // Corners in line along x are a point to the row, which it only meets with the neighbours'
+    // Corners in line along x are a point to the row, which it only meets with the neighbors'
     // rims.
     const Vec3 ab = mesh.vertices()[t[1]] - mesh.vertices()[t[0]];
     const Vec3 ac = mesh.vertices()[t[2]] - mesh.vertices()[t[0]];

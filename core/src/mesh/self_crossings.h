@@ -11,17 +11,17 @@
 
 namespace voxshell {
 
-/// What lies nearer together than this touches, metres: above the rounding of coordinates, in files
+/// What lies nearer together than this touches, meters: above the rounding of coordinates, in files
 /// as well, and below what matters.
 double measure_rounding(const TriangleMesh& mesh);
 
 /// Where triangles of a mesh cross one another, or touch along a line, other than neighbors along
-/// their common side. Keeps no reference to the mesh. Metres.
+/// their common side. Keeps no reference to the mesh. Meters.
 class SelfCrossings {
  public:
   explicit SelfCrossings(const TriangleMesh& mesh);
 
-  /// What lies nearer together counts as touching, metres.
+  /// What lies nearer together counts as touching, meters.
   double rounding() const { return rounding_; }
   std::size_t size() const { return triangles_.size(); }  ///< triangles of the mesh
   const std::array<Vec3, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }

@@ -79,7 +79,7 @@ class SurfaceCutter::Division {
         smallest_(kSmallest *
                   length(bound_triangle(cutter.crossings_.corners(triangle)).extents())) {}
 
-  /// What touches one of its longer sides touches both: its neighbours are as near.
+  /// What touches one of its longer sides touches both: its neighbors are as near.
   bool is_narrow(const Polygon& polygon) const { return width_of(polygon) <= cutter_.rounding(); }
 
   void divide(const Polygon& polygon) {

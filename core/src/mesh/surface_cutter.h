@@ -59,7 +59,7 @@ struct VisibleTriangle {
 
 /// Tells which parts of a mesh's surface lie inside other parts of it, and cuts these off. A
 /// triangle is cut along the triangles that cross or touch it, so that no piece is hidden in part.
-/// Keeps no reference to the mesh. Metres.
+/// Keeps no reference to the mesh. Meters.
 class SurfaceCutter {
  public:
   /// `is_balanced`: at each edge of the mesh as many triangles run one way as the other, so that
@@ -69,7 +69,7 @@ class SurfaceCutter {
   /// `crossings` are those of the mesh.
   SurfaceCutter(const TriangleMesh& mesh, bool is_balanced, SelfCrossings crossings);
 
-  /// What lies nearer together counts as touching, metres.
+  /// What lies nearer together counts as touching, meters.
   double rounding() const { return crossings_.rounding(); }
   bool is_balanced() const { return is_balanced_; }
 

@@ -5,7 +5,7 @@
 
 namespace voxshell {
 
-/// The solid that an open surface becomes as a sheet of some thickness, metres: a copy of it half
+/// The solid that an open surface becomes as a sheet of some thickness, meters: a copy of it half
 /// the thickness to either side along the vertices' normals, and walls along its rims. Parts of the
 /// mesh that are closed stay as they are.
 ///

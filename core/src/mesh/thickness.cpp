@@ -138,7 +138,7 @@ class RayCaster {
   /// Outweighs the rounding of places to float32.
   static double compute_slack(const Bounds& bounds) {
     constexpr double kRounding = 1e-6;
-    return kRounding * (length(bounds.centre()) + length(bounds.extents()));
+    return kRounding * (length(bounds.center()) + length(bounds.extents()));
   }
 
   static std::vector<Bounds> bound(const std::vector<std::array<Vec3, 3>>& corners) {

@@ -54,8 +54,8 @@ Error no_area(std::size_t triangles) {
 
 /// Queries work on fourth powers of lengths in float32: beyond these they would over- or underflow.
 Result<std::monostate> check_size(const Bounds& bounds) {
-  constexpr double kSmallestSide = 1e-9;      // metres
-  constexpr double kLargestCoordinate = 1e9;  // metres
+  constexpr double kSmallestSide = 1e-9;      // meters
+  constexpr double kLargestCoordinate = 1e9;  // meters
   const double longest_side = bounds.extents()[bounds.longest_axis()];
   double farthest = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -191,7 +191,7 @@ double TriangleMesh::compute_area() const {
 }
 
 double TriangleMesh::compute_volume() const {
-  const Vec3 origin = bounds_.centre();
+  const Vec3 origin = bounds_.center();
   double sixfold = 0.0;
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     const auto [a, b, c] = corners(i);

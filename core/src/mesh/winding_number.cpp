@@ -17,12 +17,12 @@ WindingNumberTree::WindingNumberTree(const TriangleMesh& mesh) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
-  std::vector<Vec3> centres(count);
+  std::vector<Vec3> centers(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto [a, b, c] = mesh.corners(i);
-    centres[i] = (a + b + c) / 3.0;
+    centers[i] = (a + b + c) / 3.0;
   }
-  build_node(mesh, 0, count, order, centres);
+  build_node(mesh, 0, count, order, centers);
   triangles_.reserve(std::size_t{simd::kWindingTriangleDoubles} * count);
   for (const std::uint32_t triangle : order) {
     for (const Vec3& corner : mesh.corners(triangle)) {
@@ -33,9 +33,9 @@ WindingNumberTree::WindingNumberTree(const TriangleMesh& mesh) {
 
 void WindingNumberTree::build_node(const TriangleMesh& mesh, std::uint32_t begin, std::uint32_t end,
                                    std::vector<std::uint32_t>& order,
-                                   const std::vector<Vec3>& centres) {
+                                   const std::vector<Vec3>& centers) {
   const std::size_t self = nodes_.size();
-  nodes_.push_back({.centre = {}, .area = {}, .radius = 0.0, .first = begin, .count = end - begin});
+  nodes_.push_back({.center = {}, .area = {}, .radius = 0.0, .first = begin, .count = end - begin});
   Bounds bounds;
   Vec3 area{};
   Vec3 weighted{};
@@ -45,19 +45,19 @@ void WindingNumberTree::build_node(const TriangleMesh& mesh, std::uint32_t begin
     const Vec3 normal = 0.5 * cross(b - a, c - a);
     const double size = length(normal);
     area += normal;
-    weighted += size * centres[order[i]];
+    weighted += size * centers[order[i]];
     total += size;
-    bounds.extend(centres[order[i]]);
+    bounds.extend(centers[order[i]]);
   }
-  const Vec3 centre = total > 0.0 ? weighted / total : bounds.centre();
+  const Vec3 center = total > 0.0 ? weighted / total : bounds.center();
   double squared = 0.0;
   for (std::uint32_t i = begin; i < end; ++i) {
     for (const Vec3& corner : mesh.corners(order[i])) {
-      squared = std::max(squared, squared_length(corner - centre));
+      squared = std::max(squared, squared_length(corner - center));
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
-    nodes_[self].centre[axis] = centre[axis];
+    nodes_[self].center[axis] = center[axis];
     nodes_[self].area[axis] = area[axis];
   }
   nodes_[self].radius = std::sqrt(squared);
@@ -68,12 +68,12 @@ void WindingNumberTree::build_node(const TriangleMesh& mesh, std::uint32_t begin
   std::nth_element(
       order.begin() + begin, order.begin() + middle, order.begin() + end,
       [&](std::uint32_t a, std::uint32_t b) {
-        return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+        return centers[a][axis] != centers[b][axis] ? centers[a][axis] < centers[b][axis] : a < b;
       });
   nodes_[self].count = 0;
-  build_node(mesh, begin, middle, order, centres);
+  build_node(mesh, begin, middle, order, centers);
   nodes_[self].first = static_cast<std::uint32_t>(nodes_.size());
-  build_node(mesh, middle, end, order, centres);
+  build_node(mesh, middle, end, order, centers);
 }
 
 void WindingNumberTree::compute(std::span<const Vec3> places, std::span<double> numbers) const {

@@ -24,7 +24,7 @@ class WindingNumberTree {
 
  private:
   void build_node(const TriangleMesh& mesh, std::uint32_t begin, std::uint32_t end,
-                  std::vector<std::uint32_t>& order, const std::vector<Vec3>& centres);
+                  std::vector<std::uint32_t>& order, const std::vector<Vec3>& centers);
 
   std::vector<simd::WindingNode> nodes_;
   std::vector<double> triangles_;  ///< see simd/winding.h

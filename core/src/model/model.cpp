@@ -25,7 +25,7 @@ constexpr int kDefaultResolution = 100;
 /// shape where they are thinnest.
 constexpr double kToleranceOfSide = 1.0 / 2000.0;
 constexpr double kToleranceOfLargeSide = 1.0 / 20000.0;
-constexpr double kLargeTolerance = 0.0002;  // metres
+constexpr double kLargeTolerance = 0.0002;  // meters
 constexpr double kToleranceOfThickness = 1.0 / 20.0;
 
 Error invalid_argument(std::string message) {
@@ -89,7 +89,7 @@ Result<double> choose_voxel_size(const TriangleMesh& mesh, const ModelSettings& 
 /// Steps of float32 between a power of two and the next one.
 constexpr double kFloatSteps = 1 << 23;
 
-/// The largest coordinate, metres.
+/// The largest coordinate, meters.
 double reach(const TriangleMesh& mesh) {
   const Bounds& bounds = mesh.bounds();
   double farthest = 0.0;
@@ -129,7 +129,7 @@ Result<std::monostate> check_tolerance(const TriangleMesh& mesh, double toleranc
                            farthest, tolerance, 1.02 * ulp)};
 }
 
-/// Metres. Sheets thinner than two voxels of a uniform grid would have no inside.
+/// Meters. Sheets thinner than two voxels of a uniform grid would have no inside.
 Result<double> choose_sheet_thickness(const TriangleMesh& mesh, const ModelSettings& settings) {
   const double longest = longest_side(mesh);
   if (settings.sheet_thickness != 0.0) {
@@ -323,7 +323,7 @@ Result<std::shared_ptr<const Model>> Model::from_parts(TriangleMesh mesh, GridFi
                                                settings, accuracy, thickness, openings));
   for (const MassProperties& m : {model->solid_, model->surface_}) {
     const auto& [x, y, z] = m.inertia;
-    if (!is_finite(m.centre_of_mass + x + y + z)) return refuse("the mesh has no mass properties");
+    if (!is_finite(m.center_of_mass + x + y + z)) return refuse("the mesh has no mass properties");
   }
   return model;
 }

@@ -66,7 +66,7 @@ inline TableEntry little_endian(const TableEntry& entry) {
           voxshell::little_endian(entry.zero)};
 }
 
-/// What is not an array. Metres.
+/// What is not an array. Meters.
 struct Record {
   // What the model was built with.
   double tolerance;

@@ -14,7 +14,7 @@
 namespace voxshell {
 
 /// What a shell sees with: a point with the normal there, or a piece of an edge with the mean
-/// normal of the faces beside it, or none. Metres, the mesh's frame.
+/// normal of the faces beside it, or none. Meters, the mesh's frame.
 struct ShellElement {
   Vec3f from;
   Vec3f to;  ///< the same as `from` for a point
@@ -34,9 +34,9 @@ class ShellElements {
     Vec3f normal;  ///< unit length
   };
   struct Nearest {
-    float distance;  ///< metres; infinite where no element faces the same way
+    float distance;  ///< meters; infinite where no element faces the same way
     /// Of the place above the nearest elements along its normal: the least of all that are at most
-    /// twice as far away as the nearest, and not below 0; metres.
+    /// twice as far away as the nearest, and not below 0; meters.
     float height;
   };
 

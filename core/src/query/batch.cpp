@@ -12,7 +12,7 @@ constexpr std::size_t kPosesATask = 64;
 
 std::size_t count_tasks(std::size_t poses) { return (poses + kPosesATask - 1) / kPosesATask; }
 
-Error stopped() { return {ErrorCode::kCancelled, "the batch of queries was stopped"}; }
+Error stopped() { return {ErrorCode::kCanceled, "the batch of queries was stopped"}; }
 
 }  // namespace
 

@@ -13,16 +13,16 @@
 namespace voxshell {
 namespace {
 
-/// No point of a sphere moves by more than this between two poses, metres.
+/// No point of a sphere moves by more than this between two poses, meters.
 double bound_motion(const Pose& from, const Pose& to, const Sphere& sphere) {
-  const auto centre = static_cast<Vec3>(sphere.centre);
+  const auto center = static_cast<Vec3>(sphere.center);
   const Vec3 turn_x = to.rotation.row_x - from.rotation.row_x;
   const Vec3 turn_y = to.rotation.row_y - from.rotation.row_y;
   const Vec3 turn_z = to.rotation.row_z - from.rotation.row_z;
   // The Frobenius norm is at least the spectral one.
   const double turn =
       std::sqrt(squared_length(turn_x) + squared_length(turn_y) + squared_length(turn_z));
-  return length(to.transform_point(centre) - from.transform_point(centre)) +
+  return length(to.transform_point(center) - from.transform_point(center)) +
          turn * static_cast<double>(sphere.radius);
 }
 

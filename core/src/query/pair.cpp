@@ -17,7 +17,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 Error refuse(const char* message) { return Error{ErrorCode::kInvalidArgument, message}; }
 
-/// A body's own numbers, of which the role of a pair is made. Metres.
+/// A body's own numbers, of which the role of a pair is made. Meters.
 struct Body {
   bool has_shell = false;
   std::size_t points = 0;
@@ -27,7 +27,7 @@ struct Body {
   double gap = 0.0;          ///< no place of the surface is farther from an element
   double field_error = 0.0;  ///< of the distance
   bool is_sharp = false;
-  double curvature = 0.0;  ///< convex, 1/metres
+  double curvature = 0.0;  ///< convex, 1/meters
   double thickness = kUnbounded;
   Vec3 sides{kUnbounded, kUnbounded, kUnbounded};  ///< of the bounds, ascending
 

@@ -17,7 +17,7 @@
 
 namespace voxshell {
 
-/// What float32 arithmetic on coordinates up to `magnitude` metres may add to or take from a
+/// What float32 arithmetic on coordinates up to `magnitude` meters may add to or take from a
 /// distance: 32 units in the last place, several times what the longest chain of operations needs.
 inline float compute_rounding_slack(double magnitude) {
   constexpr double kUlp = 1.0 / (1 << 23);
@@ -26,7 +26,7 @@ inline float compute_rounding_slack(double magnitude) {
 
 inline double compute_reach(const PointSphereTree& tree) {
   const Sphere& root = tree.spheres(1)[0];
-  return length(static_cast<Vec3>(root.centre)) + static_cast<double>(root.radius);
+  return length(static_cast<Vec3>(root.center)) + static_cast<double>(root.radius);
 }
 
 /// The radius about the shell's origin that holds all its points and edges.

@@ -138,7 +138,7 @@ struct QueryScratch::State {
     Pose field_from_shell;
     float margin = 0.0f;
     static constexpr double kNotKept = -1.0;
-    double growth = 0.0;  ///< serves all poses that move no point by more than this, metres
+    double growth = 0.0;  ///< serves all poses that move no point by more than this, meters
     Pose last_asked;
     simd::NodeList slots{};    ///< without growth
     simd::PointList points{};  ///< with growth

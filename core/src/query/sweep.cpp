@@ -26,16 +26,16 @@ class RelativeMotion {
                  const PointShell& shell)
       : field_(world_from_field), shell_(world_from_shell) {
     const Sphere& root = shell.tree().spheres(1)[0];
-    centre_ = static_cast<Vec3>(root.centre);
+    center_ = static_cast<Vec3>(root.center);
     radius_ = static_cast<double>(root.radius);
     if (const EdgeSegments* edges = shell.edges(); edges != nullptr) {
       const Sphere& of_edges = edges->tree().spheres(1)[0];
-      radius_ = std::max(radius_, length(static_cast<Vec3>(of_edges.centre) - centre_) +
+      radius_ = std::max(radius_, length(static_cast<Vec3>(of_edges.center) - center_) +
                                       static_cast<double>(of_edges.radius + edges->reach()));
     }
     velocity_ = shell_.displacement - field_.displacement;
     turn_ = shell_.turn - field_.turn;
-    const double bend = length(turn_) * length(shell_.turn) * length(centre_);
+    const double bend = length(turn_) * length(shell_.turn) * length(center_);
     acceleration_ = length(cross(field_.turn, velocity_)) + bend;
   }
 
@@ -43,20 +43,20 @@ class RelativeMotion {
     return field_.at(fraction).inverse() * shell_.at(fraction);
   }
 
-  /// No element moves farther than this within `half` before or after `middle`, metres.
+  /// No element moves farther than this within `half` before or after `middle`, meters.
   double bound(double middle, double half) const {
     const double of_turn = length(turn_);
     // The velocity of the shell's origin, which changes steadily, and what others have more; or
-    // that of its centre.
+    // that of its center.
     const double of_origin = std::max(length(velocity_of_origin(middle - half)),
                                       length(velocity_of_origin(middle + half))) +
-                             of_turn * (length(centre_) + radius_);
+                             of_turn * (length(center_) + radius_);
     double fastest = of_origin;
     if (of_turn > 0.0) {
-      const Vec3 arm = shell_.at(middle).rotation * centre_;
-      const double of_centre = length(velocity_of_origin(middle) + cross(turn_, arm)) +
+      const Vec3 arm = shell_.at(middle).rotation * center_;
+      const double of_center = length(velocity_of_origin(middle) + cross(turn_, arm)) +
                                half * acceleration_ + of_turn * radius_;
-      fastest = std::min(fastest, of_centre);
+      fastest = std::min(fastest, of_center);
     }
     return half * kSafety * fastest;
   }
@@ -70,11 +70,11 @@ class RelativeMotion {
 
   RigidMotion field_;
   RigidMotion shell_;
-  Vec3 centre_;  ///< of a ball around the elements, the shell's frame
+  Vec3 center_;  ///< of a ball around the elements, the shell's frame
   double radius_ = 0.0;
   Vec3 velocity_;              ///< of the shell's origin relative to the field's
   Vec3 turn_;                  ///< likewise
-  double acceleration_ = 0.0;  ///< no larger for the shell's centre
+  double acceleration_ = 0.0;  ///< no larger for the shell's center
 };
 
 /// Whether elements touch within short motions.

@@ -11,12 +11,12 @@ namespace voxshell {
 namespace {
 
 struct Ball {
-  Vec3 centre{};
+  Vec3 center{};
   double squared_radius = -1.0;  ///< negative: encloses nothing
 
   bool encloses(const Vec3& p) const {
     constexpr double kTolerance = 1e-12;
-    return squared_length(p - centre) <= squared_radius * (1.0 + kTolerance);
+    return squared_length(p - center) <= squared_radius * (1.0 + kTolerance);
   }
 };
 
@@ -34,7 +34,7 @@ class Boundary {
       count_ = 1;
       return true;
     }
-    // Orthonormal directions spanned so far; the centre moves along the new one only.
+    // Orthonormal directions spanned so far; the center moves along the new one only.
     const Vec3 q = p - origin_;
     Vec3 across = q;
     for (std::size_t i = 0; i + 1 < count_; ++i) across = across - dot(across, axes_[i]) * axes_[i];
@@ -42,10 +42,10 @@ class Boundary {
     constexpr double kFlat = 1e-9;
     if (height <= kFlat * length(q)) return false;
     const Vec3 axis = across / height;
-    const Vec3 c = ball().centre - origin_;
+    const Vec3 c = ball().center - origin_;
     const double excess = squared_length(q - c) - ball().squared_radius;
     const double along = excess / (2.0 * height);
-    balls_[count_ + 1] = {ball().centre + along * axis, ball().squared_radius + along * along};
+    balls_[count_ + 1] = {ball().center + along * axis, ball().squared_radius + along * along};
     axes_[count_ - 1] = axis;
     ++count_;
     return true;
@@ -103,7 +103,7 @@ Ball enclose_all(std::span<const Vec3> points) {
     const Vec3* farthest = nullptr;
     double squared_distance = -1.0;
     for (const Vec3& p : points) {
-      const double squared = squared_length(p - ball.centre);
+      const double squared = squared_length(p - ball.center);
       if (squared > squared_distance) {
         squared_distance = squared;
         farthest = &p;
@@ -122,13 +122,13 @@ Ball enclose_all(std::span<const Vec3> points) {
 
 Sphere enclose_rounded(std::span<const Vec3> points) {
   const Ball ball = enclose_all(points);
-  const auto centre = static_cast<Vec3f>(ball.centre);
+  const auto center = static_cast<Vec3f>(ball.center);
   double squared_radius = 0.0;
   for (const Vec3& p : points) {
-    squared_radius = std::max(squared_radius, squared_length(p - static_cast<Vec3>(centre)));
+    squared_radius = std::max(squared_radius, squared_length(p - static_cast<Vec3>(center)));
   }
   const auto radius = static_cast<float>(std::sqrt(squared_radius));
-  return {centre, std::nextafter(radius, std::numeric_limits<float>::infinity())};
+  return {center, std::nextafter(radius, std::numeric_limits<float>::infinity())};
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace voxshell {
 
 /// Finite, and no farther away than a mesh may be.
 inline bool is_place(const Vec3f& p) {
-  constexpr float kLargestCoordinate = 1.001e9f;  // metres: a mesh's, rounded
+  constexpr float kLargestCoordinate = 1.001e9f;  // meters: a mesh's, rounded
   return are_within(coordinates(std::span(&p, 1)), kLargestCoordinate);
 }
 

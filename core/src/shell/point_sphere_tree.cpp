@@ -122,7 +122,7 @@ class TreeBuilder {
     return true;
   }
 
-  /// The points about a plane through their sphere's centre.
+  /// The points about a plane through their sphere's center.
   struct Slab {
     Vec3f normal{};
     float half_thickness = 0.0f;
@@ -137,10 +137,10 @@ class TreeBuilder {
     const auto normal = static_cast<Vec3f>(normalized(sum));
     double half_thickness = 0.0;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const Vec3 off_centre =
-          static_cast<Vec3>(points_[order_[i]]) - static_cast<Vec3>(sphere.centre);
+      const Vec3 off_center =
+          static_cast<Vec3>(points_[order_[i]]) - static_cast<Vec3>(sphere.center);
       half_thickness =
-          std::max(half_thickness, std::abs(dot(static_cast<Vec3>(normal), off_centre)));
+          std::max(half_thickness, std::abs(dot(static_cast<Vec3>(normal), off_center)));
     }
     constexpr double kRoundUp = 1.0 + 1e-6;
     return {normal, static_cast<float>(half_thickness * kRoundUp)};
@@ -148,9 +148,9 @@ class TreeBuilder {
 
   void put(std::size_t first_block, std::size_t index, const Sphere& sphere, const Slab& slab) {
     float* block = &tree_.blocks_[(first_block + index / 8) * simd::kClusterBlockFloats];
-    block[index % 8] = sphere.centre.x;
-    block[8 + index % 8] = sphere.centre.y;
-    block[16 + index % 8] = sphere.centre.z;
+    block[index % 8] = sphere.center.x;
+    block[8 + index % 8] = sphere.center.y;
+    block[16 + index % 8] = sphere.center.z;
     block[24 + index % 8] = sphere.radius;
     block += simd::kSlabFloats;
     block[index % 8] = slab.normal.x;

@@ -21,7 +21,7 @@ Sphere read_sphere(std::span<const float> blocks, std::size_t block, std::size_t
   return {{numbers[0], numbers[8], numbers[16]}, numbers[24]};
 }
 
-/// Whether the slab at a place of a block, about the sphere's centre, is around the points.
+/// Whether the slab at a place of a block, about the sphere's center, is around the points.
 bool slab_encloses(std::span<const float> blocks, std::size_t block, std::size_t place,
                    const Sphere& sphere, std::span<const Vec3f> points) {
   const auto numbers =
@@ -33,24 +33,24 @@ bool slab_encloses(std::span<const float> blocks, std::size_t block, std::size_t
   if (!(std::abs(length(normal) - 1.0f) <= kRounding) && normal != Vec3f{}) return false;
   double farthest = 0.0;
   for (const Vec3f& p : points) {
-    const Vec3 off_centre = static_cast<Vec3>(p) - static_cast<Vec3>(sphere.centre);
-    farthest = std::max(farthest, std::abs(dot(static_cast<Vec3>(normal), off_centre)));
+    const Vec3 off_center = static_cast<Vec3>(p) - static_cast<Vec3>(sphere.center);
+    farthest = std::max(farthest, std::abs(dot(static_cast<Vec3>(normal), off_center)));
   }
   return farthest <= half_thickness;
 }
 
 bool encloses(const Sphere& sphere, std::span<const Vec3f> points) {
-  if (!is_finite(sphere.centre) || !std::isfinite(sphere.radius) || !(sphere.radius >= 0.0f)) {
+  if (!is_finite(sphere.center) || !std::isfinite(sphere.radius) || !(sphere.radius >= 0.0f)) {
     return false;
   }
   // Of the float64 arithmetic here; the radius itself is rounded up.
   constexpr double kRounding = 1e-12;
-  const auto centre = static_cast<Vec3>(sphere.centre);
+  const auto center = static_cast<Vec3>(sphere.center);
   const auto radius = static_cast<double>(sphere.radius);
   const double limit = radius * radius * (1.0 + kRounding);
   double farthest = 0.0;
   for (const Vec3f& p : points) {
-    const double squared = squared_length(static_cast<Vec3>(p) - centre);
+    const double squared = squared_length(static_cast<Vec3>(p) - center);
     farthest = squared > farthest ? squared : farthest;
   }
   return farthest <= limit;
@@ -98,7 +98,7 @@ Result<PointSphereTree> PointSphereTree::from_parts(std::span<const Vec3f> point
       const auto below =
           i < clusters ? points_in(tree.walk_depth(level), i) : std::span<const Vec3f>{};
       if (below.empty()
-              ? sphere.radius != simd::kNoSphere || !is_finite(sphere.centre)
+              ? sphere.radius != simd::kNoSphere || !is_finite(sphere.center)
               : !encloses(sphere, below) ||
                     !slab_encloses(tree.blocks_, first_block + i / 8, i % 8, sphere, below)) {
         return invalid(

@@ -28,7 +28,7 @@ struct ShellSamples {
 
 /// What a build returns that its progress asked to stop.
 inline Error make_stopped_error() {
-  return {ErrorCode::kCancelled, "building the point shell was stopped"};
+  return {ErrorCode::kCanceled, "building the point shell was stopped"};
 }
 
 }  // namespace voxshell

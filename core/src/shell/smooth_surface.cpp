@@ -31,7 +31,7 @@ constexpr int kMostAround = 8;
 constexpr float kFlatBend = 1e-4f;
 /// Relative to the mesh's size: elements are float32.
 constexpr double kRounding = 1e-6;
-/// Most times that a point is moved along a normal towards the surface to find what is nearest.
+/// Most times that a point is moved along a normal toward the surface to find what is nearest.
 constexpr int kMostProjections = 6;
 /// It has come near enough if it moves by less than this fraction of its coordinates.
 constexpr double kProjected = 1e-5;
@@ -142,7 +142,7 @@ struct SmoothSurface::Chart {
   std::array<Planar, 3> planar;
   Vec3 x_axis;
   Vec3 y_axis;
-  double height;  ///< of the third corner, metres; 0 without area
+  double height;  ///< of the third corner, meters; 0 without area
 
   /// The change of each corner's weight by a way of the plane.
   std::array<double, 3> weights_of(const Planar& way) const {

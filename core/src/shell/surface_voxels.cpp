@@ -86,7 +86,7 @@ std::uint64_t hash(const Voxel& voxel) {  // by the steps of SplitMix64
 
 /// A part of a triangle: what one voxel holds of it.
 struct Piece {
-  Vec3 point;  ///< closest to the voxel's centre; grid axes
+  Vec3 point;  ///< closest to the voxel's center; grid axes
   double area;
   Vec3f to_middle;  ///< from there to the mean of the corners
   std::uint32_t triangle;
@@ -94,20 +94,20 @@ struct Piece {
 };
 
 /// For a needle, whose plane is mere rounding.
-void measure_needle(const Polygon& polygon, const Vec3& centre, Closest& closest, double& area) {
+void measure_needle(const Polygon& polygon, const Vec3& center, Closest& closest, double& area) {
   area = compute_area(polygon);
   for (std::size_t i = 2; i < polygon.count; ++i) {
     closest.consider(closest_point_on_triangle(
-                         centre, {polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]}),
-                     centre);
+                         center, {polygon.corners[0], polygon.corners[i - 1], polygon.corners[i]}),
+                     center);
   }
 }
 
-/// The plane's point closest to the centre sees an edge from outside, or lies in the polygon. The
+/// The plane's point closest to the center sees an edge from outside, or lies in the polygon. The
 /// triangles that it makes with the edges are the area.
-void measure_polygon(const Polygon& polygon, const Vec3& normal, const Vec3& centre,
+void measure_polygon(const Polygon& polygon, const Vec3& normal, const Vec3& center,
                      Closest& closest, double& area) {
-  const Vec3 on_plane = centre - dot(centre - polygon.corners[0], normal) * normal;
+  const Vec3 on_plane = center - dot(center - polygon.corners[0], normal) * normal;
   double doubled = 0.0;
   bool is_inside = true;
   Vec3 a = polygon.corners[polygon.count - 1];
@@ -125,12 +125,12 @@ void measure_polygon(const Polygon& polygon, const Vec3& normal, const Vec3& cen
       closest.consider(along <= 0.0       ? a
                        : along >= squared ? b
                                           : a + (along / squared) * edge,
-                       centre);
+                       center);
     }
     a = b;
     to_a = to_b;
   }
-  if (is_inside) closest.consider(on_plane, centre);
+  if (is_inside) closest.consider(on_plane, center);
   area = 0.5 * doubled;
 }
 
@@ -183,7 +183,7 @@ struct GriddedMesh {
       constexpr double kRounding = 1e-6;
       constexpr double kSpare = 2.0;  // so that no index is negative, whatever the shift
       const double voxels = std::floor(bounds.extents()[axis] / spacing + kRounding) + 1.0;
-      origin[axis] = bounds.centre()[axis] + (grid.shift[axis] - 0.5 * voxels - kSpare) * spacing;
+      origin[axis] = bounds.center()[axis] + (grid.shift[axis] - 0.5 * voxels - kSpare) * spacing;
     }
   }
 
@@ -194,7 +194,7 @@ struct GriddedMesh {
   double face(std::int64_t slab, int axis) const {
     return origin[axis] + static_cast<double>(slab) * spacing;
   }
-  Vec3 centre(const Voxel& voxel) const {
+  Vec3 center(const Voxel& voxel) const {
     return origin + spacing * Vec3{voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5};
   }
 
@@ -313,14 +313,14 @@ class Cutter {
   }
 
   void keep(const Polygon& polygon) {
-    const Vec3 centre = mesh_.centre(voxel_);
+    const Vec3 center = mesh_.center(voxel_);
     const Vec3& normal = mesh_.normals[triangle_];
     Closest closest;
     double area = 0.0;
     if (normal == Vec3{}) {
-      measure_needle(polygon, centre, closest, area);
+      measure_needle(polygon, center, closest, area);
     } else {
-      measure_polygon(polygon, normal, centre, closest, area);
+      measure_polygon(polygon, normal, center, closest, area);
     }
     if (!(area > 0.0)) return;
     Vec3 sum{};
@@ -339,7 +339,7 @@ class Cutter {
 
 /// In the order that they have within each bucket.
 UnitPieces divide_into_buckets(const std::vector<Piece>& pieces, std::size_t buckets) {
-  // Neighbours stay together, for the sake of caches.
+  // Neighbors stay together, for the sake of caches.
   constexpr int kBlockBits = 3;
   const auto bucket_of = [&](const Piece& piece) {
     Voxel block = piece.voxel;
@@ -406,7 +406,7 @@ class SideSorter {
       }
       const double distance = normal(*piece) == Vec3{}
                                   ? std::numeric_limits<double>::infinity()
-                                  : squared_length(piece->point - mesh_.centre(piece->voxel));
+                                  : squared_length(piece->point - mesh_.center(piece->voxel));
       if (closest == nullptr || distance < least) {
         closest = piece;
         least = distance;

@@ -11,7 +11,7 @@ namespace voxshell {
 
 /// One side of the surface within one voxel.
 struct SurfaceSample {
-  Vec3 point;              ///< closest to the voxel's centre of this side of the surface within it
+  Vec3 point;              ///< closest to the voxel's center of this side of the surface within it
   Vec3f to_middle;         ///< from `point` to well within the part of the triangle in the voxel
   std::uint32_t triangle;  ///< the triangle that it lies on
   double area;             ///< of this side, m2
@@ -19,9 +19,9 @@ struct SurfaceSample {
 
 /// A regular grid of voxels about a mesh.
 struct VoxelGrid {
-  double spacing;          ///< edge of a voxel, metres
+  double spacing;          ///< edge of a voxel, meters
   Matrix3 grid_from_mesh;  ///< a rotation: its rows are the grid's axes
-  Vec3 shift{};            ///< of the grid from being centred on the mesh's bounds, voxels
+  Vec3 shift{};            ///< of the grid from being centerd on the mesh's bounds, voxels
 };
 
 /// Surfaces face away from each other where the cosine of the angle between their normals is below
@@ -38,11 +38,11 @@ Vec3 compute_triangle_normal(const Vec3& a, const Vec3& b, const Vec3& c);
 double compute_passed_area(const TriangleMesh& mesh, const Matrix3& grid_from_mesh);
 
 /// Cuts a mesh along a grid and samples each voxel that the surface passes: the point closest to
-/// its centre and, where part of the surface within the voxel faces away from that one, the closest
+/// its center and, where part of the surface within the voxel faces away from that one, the closest
 /// of that part, and so on; no more than four directions face away from one another. Needles face
 /// nowhere, and give a sample only to voxels with nothing else.
 ///
-/// Neighbours are near each other in the order, which is the same for any number of threads. Empty
+/// Neighbors are near each other in the order, which is the same for any number of threads. Empty
 /// where progress asked to stop.
 std::vector<SurfaceSample> sample_surface_voxels(const TriangleMesh& mesh, const VoxelGrid& grid,
                                                  unsigned threads = 0,

@@ -121,7 +121,7 @@ VOXSHELL_INLINE F clamp(F value, float low, float high) {
 
 // ---- capsule ------------------------------------------------------------------------------------
 
-/// From the nearest point of the segment between the caps' centres.
+/// From the nearest point of the segment between the caps' centers.
 template <class F>
 VOXSHELL_INLINE Profile<F> from_segment(const CapsuleView& capsule, const Triple<F>& p) {
   const Profile<F> q = to_profile(p);
@@ -175,8 +175,8 @@ VOXSHELL_INLINE Triple<F> evaluate_gradient(const CylinderView& cylinder, const 
 /// How a point lies to the triangle that a cone is made of by turning.
 template <class F>
 struct ConePlace {
-  F beyond_base;       ///< metres below it
-  F beyond_slant;      ///< metres out of its plane
+  F beyond_base;       ///< meters below it
+  F beyond_slant;      ///< meters out of its plane
   Profile<F> outside;  ///< from the nearest point of the boundary
   F squared_distance;  ///< of the same
 };

@@ -4,7 +4,7 @@
 
 namespace voxshell::simd {
 
-// Analytic fields as kernels see them: solids in their own frame, metres.
+// Analytic fields as kernels see them: solids in their own frame, meters.
 
 struct PlaneView {
   float normal[3];  ///< unit length, out of the solid
@@ -27,7 +27,7 @@ struct SphereView {
 
 struct CapsuleView {
   float radius;
-  float half_length;  ///< of the segment between the caps' centres, along z
+  float half_length;  ///< of the segment between the caps' centers, along z
 
   friend bool operator==(const CapsuleView&, const CapsuleView&) = default;
 };

@@ -19,9 +19,9 @@ template <class V>
 VOXSHELL_INLINE bool may_touch(const PosedView<V>& posed, const EdgeView& edges,
                                const Triple<float>& middle, const Triple<float>& half, uint32_t tag,
                                float margin) {
-  constexpr F8 kCentres = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
+  constexpr F8 kCenters = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
   constexpr float kFraction = 0.1251f;
-  const F8 bound = bound_points(posed, place_on_edge(middle, half, kCentres), tag,
+  const F8 bound = bound_points(posed, place_on_edge(middle, half, kCenters), tag,
                                 kFraction * edges.reach, margin);
   return lanes_below(bound, margin) != 0;
 }

@@ -4,7 +4,7 @@
 
 namespace voxshell::simd {
 
-/// Straight pieces of edges as kernels see them; the tree's points are their middles. Metres, the
+/// Straight pieces of edges as kernels see them; the tree's points are their middles. Meters, the
 /// shell's frame.
 struct EdgeView {
   TreeView tree;

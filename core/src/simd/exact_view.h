@@ -24,7 +24,7 @@ inline constexpr uint32_t kMostListed = 1u << (32 - kListCountBits);
 inline constexpr int kMaskWords = 16;
 
 /// A grid field some of whose fine cells are exact: the distance there is that to the nearest of a
-/// few triangles, which the grid's samples cannot follow (creases, thin walls). Metres, the field's
+/// few triangles, which the grid's samples cannot follow (creases, thin walls). Meters, the field's
 /// frame.
 struct ExactGridView : GridView {
   const uint32_t* exact_bricks;  ///< one a brick: 0, or 1 + its index among those with exact cells

@@ -48,7 +48,7 @@ VOXSHELL_INLINE GridPlace<F> locate(const GridView& grid, const Triple<F>& p) {
   return place;
 }
 
-/// From the nearest point of the grid, metres.
+/// From the nearest point of the grid, meters.
 template <class F>
 VOXSHELL_INLINE Triple<F> measure_outside(const GridView& grid, const GridPlace<F>& place) {
   return {place.outside.x * grid.voxel_size, place.outside.y * grid.voxel_size,
@@ -60,7 +60,7 @@ template <class F>
 struct GridCell {
   F c[8];
   Triple<F> t;  ///< 0 to 1
-  F scale;      ///< metres of one quantum
+  F scale;      ///< meters of one quantum
   F size;       ///< edge of the cell, voxels
   bool is_one;  ///< all places fall in one cell
 };
@@ -485,7 +485,7 @@ VOXSHELL_INLINE float find_coarsest(const GridView& grid, float limit) {
   return size;
 }
 
-/// Bounds over a ball, metres: lower ones, but for the last.
+/// Bounds over a ball, meters: lower ones, but for the last.
 template <class F>
 struct GridBound {
   F of_distance;  ///< of the true distance
@@ -495,7 +495,7 @@ struct GridBound {
   F from_above;   ///< an upper bound of the value, where the ball is within the grid
 };
 
-/// From the value at the ball's centre; `coarsest` as find_coarsest() says.
+/// From the value at the ball's center; `coarsest` as find_coarsest() says.
 ///
 /// A value is a mean of the distances at nodes that are spread about its point. Between two points
 /// apart by r, nodes can be paired so that the mean of their squared distances is at most r^2 plus
@@ -571,7 +571,7 @@ VOXSHELL_INLINE F find_room(const GridPlace<F>& place) {
 }
 
 /// Of balls within which the field is continuous: those in one brick, or in one cell of a brick
-/// that has exact cells. From the value at the centre: along each axis it is no steeper than two
+/// that has exact cells. From the value at the center: along each axis it is no steeper than two
 /// nodes next to each other allow, nor is an exact one. For others, infinity.
 template <class G, class F>
 VOXSHELL_INLINE F bound_fall_in_brick(const G& grid, const GridPlace<F>& place,
@@ -603,7 +603,7 @@ VOXSHELL_INLINE F bound_fall_in_cell(const GridView& grid, const GridPlace<F>& p
   return select(is_within, fall, splat<F>(__builtin_inff()));
 }
 
-/// Of the value over a ball, from that at its centre; of values up to a limit alone where
+/// Of the value over a ball, from that at its center; of values up to a limit alone where
 /// `coarsest` is what find_coarsest() says of it.
 template <class G, class F>
 VOXSHELL_INLINE F find_lower_bound(const G& grid, const GridPlace<F>& place,

@@ -5,7 +5,7 @@
 namespace voxshell::simd {
 
 /// Values of a grid field at one point, or at eight points, whose coordinates are p[0], p[1], p[2].
-/// Metres, the field's frame.
+/// Meters, the field's frame.
 template <class G>
 struct GridSampling {
   float (*measure_distance)(const G& grid, const float* p);
@@ -13,8 +13,8 @@ struct GridSampling {
 
   void (*measure_distances)(const G& grid, const float (*p)[8], float* distances);
 
-  /// Of balls: the distances of their centres, and what no point within has a smaller one than.
-  void (*bound_balls)(const G& grid, const float (*centres)[8], const float* radii,
+  /// Of balls: the distances of their centers, and what no point within has a smaller one than.
+  void (*bound_balls)(const G& grid, const float (*centers)[8], const float* radii,
                       float* distances, float* lower_bounds);
 };
 

@@ -31,9 +31,9 @@ void measure_distances(const G& grid, const float (*p)[8], float* distances) {
 }
 
 template <class G>
-void bound_balls(const G& grid, const float (*centres)[8], const float* radii, float* distances,
+void bound_balls(const G& grid, const float (*centers)[8], const float* radii, float* distances,
                  float* lower_bounds) {
-  const Triple<F8> p = load_points(centres);
+  const Triple<F8> p = load_points(centers);
   const auto place = locate(grid, p);
   const auto value = evaluate_in_grid<Wanted::kDistance>(grid, p, place);
   store(lower_bounds, find_lower_bound(grid, place, value, load<F8>(radii)));

@@ -27,7 +27,7 @@ inline constexpr int kCoarseSizes = 3;
 /// Says that no brick has cells as large as that.
 inline constexpr float kNoCoarseFloor = 1e30f;
 
-/// A grid field as kernels see it. Metres, the field's frame.
+/// A grid field as kernels see it. Meters, the field's frame.
 struct GridView {
   uint64_t serial;          ///< of the field; see base/serial.h
   const uint32_t* entries;  ///< one a brick, x fastest
@@ -42,19 +42,19 @@ struct GridView {
   int32_t layers[8];  ///< along z
   float voxel_size;
   float inverse_voxel_size;
-  float quantum;  ///< a sample's unit at scale exponent 0, metres
-  /// |node or plane - true distance| and |value - true distance| in cells of one voxel, metres. In
+  float quantum;  ///< a sample's unit at scale exponent 0, meters
+  /// |node or plane - true distance| and |value - true distance| in cells of one voxel, meters. In
   /// larger cells they are as many times that as these are voxels wide.
   float node_error;
   float fine_error;
   /// Trilinear weights spread nodes about a point; the mean of their squared distances from it is
-  /// at most this in cells of one voxel, metres^2, and grows with the square of the cell's size.
+  /// at most this in cells of one voxel, meters^2, and grows with the square of the cell's size.
   float spread;
-  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), metres^2.
+  /// The true distances of two nodes d apart differ by at most sqrt(d^2 + gap), meters^2.
   float gap;
-  float plane_margin;  ///< up to which a plane serves for all that is around it, metres
+  float plane_margin;  ///< up to which a plane serves for all that is around it, meters
   /// In bricks with cells of 2, 4 and 8 voxels, or larger, no point is nearer to the surface than
-  /// this and no value nearer to zero, metres, ascending; or kNoCoarseFloor.
+  /// this and no value nearer to zero, meters, ascending; or kNoCoarseFloor.
   float coarse_floors[kCoarseSizes];
 
   /// Fields do not change once they have a serial.

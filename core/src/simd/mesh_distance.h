@@ -40,7 +40,7 @@ struct BoxNode {
 struct MeshTreeView {
   const BoxNode* nodes;  ///< the first is the root
   const float* blocks;
-  const float* centres;  ///< of the blocks: their triangles are told from there
+  const float* centers;  ///< of the blocks: their triangles are told from there
   float slack;           ///< outweighs the rounding of positions, in the boxes' distances
 };
 
@@ -69,10 +69,10 @@ struct MeshDistanceKernels {
   int32_t (*find_blocks)(const MeshTreeView& tree, const double* p, float radius, int32_t most,
                          int32_t* found);
 
-  /// Distances of 9^3 nodes one unit apart, x fastest, with `centre` in the middle, whose own
-  /// distance is `at_centre`. False, with nothing done, where too many triangles may be the
+  /// Distances of 9^3 nodes one unit apart, x fastest, with `center` in the middle, whose own
+  /// distance is `at_center`. False, with nothing done, where too many triangles may be the
   /// nearest.
-  bool (*measure_brick)(const MeshTreeView& tree, const double* centre, float at_centre,
+  bool (*measure_brick)(const MeshTreeView& tree, const double* center, float at_center,
                         const BrickScratch& scratch, float* distances);
 
   /// Squared distances of p from listed triangles, and of some more to fill up eight. `records` as

@@ -51,9 +51,9 @@ inline float least_of(F8 values) {
   return least;
 }
 
-inline void subtract(const double* p, const float* centre, float* local) {
+inline void subtract(const double* p, const float* center, float* local) {
   for (int axis = 0; axis < 3; ++axis) {
-    local[axis] = static_cast<float>(p[axis] - static_cast<double>(centre[axis]));
+    local[axis] = static_cast<float>(p[axis] - static_cast<double>(center[axis]));
   }
 }
 
@@ -82,7 +82,7 @@ inline Nearest find_nearest(const MeshTreeView& tree, const double* p, int32_t g
   float bound = 1e30f;
   const auto look_into = [&](int32_t block) {
     float local[3];
-    subtract(p, tree.centres + 3 * block, local);
+    subtract(p, tree.centers + 3 * block, local);
     const F8 squared = squared_distances_of_block(tree.blocks + block * kBlockFloats, local[0],
                                                   local[1], local[2]);
     const float least = least_of(squared);
@@ -232,18 +232,18 @@ struct NodeRange {
 };
 
 struct Ball {
-  float centre[3];
+  float center[3];
   float radius;
 };
 
-/// The ball around nodes of a brick, voxels from its centre.
+/// The ball around nodes of a brick, voxels from its center.
 inline Ball enclose(const NodeRange& nodes) {
   Ball ball;
   float squared = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
     const float sum = static_cast<float>(nodes.first[axis] + nodes.last[axis]);
     const float half = 0.5f * static_cast<float>(nodes.last[axis] - nodes.first[axis]);
-    ball.centre[axis] = 0.5f * sum - 0.5f * kCells;
+    ball.center[axis] = 0.5f * sum - 0.5f * kCells;
     squared += half * half;
   }
   ball.radius = square_root(squared);
@@ -254,7 +254,7 @@ inline Ball enclose(const NodeRange& nodes) {
 inline void measure_packet(const Triangles& triangles, const NodeRange& nodes, float* squared,
                            int32_t* nearest, float* distances) {
   const Ball ball = enclose(nodes);
-  const int32_t count = find_nearby(triangles, ball.centre[0], ball.centre[1], ball.centre[2],
+  const int32_t count = find_nearby(triangles, ball.center[0], ball.center[1], ball.center[2],
                                     ball.radius, squared, nearest);
   const float origin = -0.5f * kCells;
   const I8 lane{0, 1, 2, 3, 4, 5, 6, 7};
@@ -282,18 +282,18 @@ inline void measure_packet(const Triangles& triangles, const NodeRange& nodes, f
   }
 }
 
-inline bool measure_brick(const MeshTreeView& tree, const double* centre, float at_centre,
+inline bool measure_brick(const MeshTreeView& tree, const double* center, float at_center,
                           const BrickScratch& scratch, float* distances) {
   const float half_diagonal = 0.5f * kCells * square_root(3.0f);
-  const float radius = at_centre + 2.0f * half_diagonal + kCullSlack;
-  const int32_t found = find_blocks(tree, centre, radius, scratch.most_blocks, scratch.blocks);
+  const float radius = at_center + 2.0f * half_diagonal + kCullSlack;
+  const int32_t found = find_blocks(tree, center, radius, scratch.most_blocks, scratch.blocks);
   if (found < 0) return false;
   Triangles triangles{scratch.moved, 0};
   for (int32_t i = 0; i < found; ++i) {
     const int32_t block = scratch.blocks[i];
     const float* fields = tree.blocks + block * kBlockFloats;
     float local[3];
-    subtract(centre, tree.centres + 3 * block, local);
+    subtract(center, tree.centers + 3 * block, local);
     const F8 squared = squared_distances_of_block(fields, local[0], local[1], local[2]);
     if (!any(squared <= radius * radius)) continue;
     move_block(fields, local[0], local[1], local[2],
@@ -320,7 +320,7 @@ inline bool measure_brick(const MeshTreeView& tree, const double* centre, float 
       end[axis] = upper ? kPackets : kPackets / 2;
     }
     const Ball ball = enclose(range_of(first, end));
-    const int32_t count = find_nearby(triangles, ball.centre[0], ball.centre[1], ball.centre[2],
+    const int32_t count = find_nearby(triangles, ball.center[0], ball.center[1], ball.center[2],
                                       ball.radius, scratch.squared, scratch.nearby);
     const Triangles nearby = gather_triangles(triangles, scratch.nearby, count, scratch.gathered);
     for (int c = first[2]; c < end[2]; ++c) {

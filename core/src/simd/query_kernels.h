@@ -16,7 +16,7 @@ inline constexpr uint32_t kNone = UINT32_MAX;
 struct NodeList {
   uint32_t* index;
   uint32_t* tag;
-  float* bound;  ///< no point within has a smaller distance, metres; may be null
+  float* bound;  ///< no point within has a smaller distance, meters; may be null
   uint32_t count;
 };
 
@@ -26,7 +26,7 @@ struct PointList {
   uint32_t* id;
   uint32_t* tag;
   float* distance;
-  float *x, *y, *z;  ///< the shell's frame, metres
+  float *x, *y, *z;  ///< the shell's frame, meters
   uint32_t count;
 };
 
@@ -41,7 +41,7 @@ inline constexpr uint32_t kMostSeeds = 512;
 /// What is looked for among the contacts of a manifold (thesis, section 5.3): the first is the
 /// deepest, `chosen` the ones already found.
 struct ManifoldSearch {
-  float chosen[3][3];  ///< their points, the shell's frame, metres
+  float chosen[3][3];  ///< their points, the shell's frame, meters
   int count;           ///< 1 to 3
 };
 
@@ -57,7 +57,7 @@ struct FoundPoint {
 template <class V>
 struct Arrivals {
   const PosedView<V>* posed;
-  const float* margins;  ///< metres
+  const float* margins;  ///< meters
   uint32_t count;
 };
 
@@ -81,7 +81,7 @@ struct QueryKernels {
   /// Writes a contact (id, depth, point, normal) for each point, eight words each. Points with a
   /// tag must have been found below the margin that it was given for.
   void (*complete)(const PosedView<V>&, const TreeView&, const PointList& points, void* contacts);
-  /// Gradients by central differences over `step` metres to either side, the shell's frame: unlike
+  /// Gradients by central differences over `step` meters to either side, the shell's frame: unlike
   /// those of complete(), continuous in the pose, and shorter than 1 across a ridge. Room for
   /// kLanes more.
   void (*differentiate)(const PosedView<V>&, const PointList& points, float step, float* x,

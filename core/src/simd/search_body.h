@@ -210,14 +210,14 @@ class ManifoldScore {
   }
 
   /// No point within the balls has a larger score.
-  F8 evaluate_upper_bound(const Triple<F8>& centres, F8 radii) const {
+  F8 evaluate_upper_bound(const Triple<F8>& centers, F8 radii) const {
     constexpr float kRounding = 1.0001f;
     if (search_.count == 3) {
-      const F8 away = length(minus(centres, search_.chosen[0]));
-      return evaluate(centres) + steepness_ * (radii * kRounding + away * (kRounding - 1.0f));
+      const F8 away = length(minus(centers, search_.chosen[0]));
+      return evaluate(centers) + steepness_ * (radii * kRounding + away * (kRounding - 1.0f));
     }
     const F8 grown =
-        square_root(evaluate(centres)) + radii * (search_.count == 1 ? 1.0f : side_length_);
+        square_root(evaluate(centers)) + radii * (search_.count == 1 ? 1.0f : side_length_);
     return grown * grown * kRounding;
   }
 
@@ -242,17 +242,17 @@ inline void rank_seeds(const TreeView& tree, const Seeds& seeds, const ManifoldS
     return;
   }
   for (uint32_t i = 0; i < seeds.nodes.count; i += kLanes) {
-    Triple<F8> centres{};
+    Triple<F8> centers{};
     F8 radii{};
     for (uint32_t lane = 0; lane < kLanes && i + lane < seeds.nodes.count; ++lane) {
       const uint32_t index = seeds.nodes.index[i + lane];
       const Block block = load_block(tree, seeds.level - 1, index / kLanes, 0.0f);
       const float* sphere = block.data + index % kLanes;
       const int to = static_cast<int>(lane);
-      set_lane(centres, to, Triple<float>{sphere[0], sphere[8], sphere[16]});
+      set_lane(centers, to, Triple<float>{sphere[0], sphere[8], sphere[16]});
       set_lane(radii, to, sphere[24]);
     }
-    store(ranks + i, -score.evaluate_upper_bound(centres, radii));
+    store(ranks + i, -score.evaluate_upper_bound(centers, radii));
   }
 }
 
@@ -294,7 +294,7 @@ FoundPoint find_widest(const PosedView<V>& posed, const TreeView& tree, const Se
         continue;
       }
       const Block block = load_block(tree, node.level, node.index, 0.0f);
-      const F8 most = score.evaluate_upper_bound(block.centres, block.radii);
+      const F8 most = score.evaluate_upper_bound(block.centers, block.radii);
       const unsigned wide_enough = bits(most >= best_score) & block.lanes;
       if (wide_enough == 0) continue;
       const Balls balls = test_balls(posed, block, node.tag, margin);

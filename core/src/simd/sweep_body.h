@@ -8,7 +8,7 @@
 
 namespace voxshell::simd::VOXSHELL_ISA {
 
-/// Of a cell's trilinear function: the least that it can be within `radius` metres of a place whose
+/// Of a cell's trilinear function: the least that it can be within `radius` meters of a place whose
 /// coordinates in the cell are `cell.t`, which may lie beyond the cell by `beyond` of its edge.
 /// Along each axis a function is no steeper than its steepest edge, and beyond the cell by little
 /// more.
@@ -139,7 +139,7 @@ VOXSHELL_INLINE bool may_piece_come_below(const PosedView<V>& posed, const Tripl
     float t;
     float width;
   };
-  constexpr F8 kCentres = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
+  constexpr F8 kCenters = {-0.875f, -0.625f, -0.375f, -0.125f, 0.125f, 0.375f, 0.625f, 0.875f};
   constexpr float kFraction = 0.1251f;
   constexpr int kMostParts = 64;
   const float length = square_root(half.x * half.x + half.y * half.y + half.z * half.z);
@@ -150,7 +150,7 @@ VOXSHELL_INLINE bool may_piece_come_below(const PosedView<V>& posed, const Tripl
     const Part part = parts[--count];
     const float reach = kFraction * part.width * length;
     const float radius = reach + growth;
-    const F8 t = part.t + part.width * kCentres;
+    const F8 t = part.t + part.width * kCenters;
     const Triple<F8> places = place_on_edge(middle, half, t);
     const F8 bound = bound_points(posed, places, 0, radius, margin);
     for (unsigned lanes = lanes_below(bound, margin); lanes != 0; lanes &= lanes - 1) {

@@ -9,7 +9,7 @@ namespace voxshell::simd::VOXSHELL_ISA {
 /// Eight siblings of a tree.
 struct Block {
   const float* data;
-  Triple<F8> centres;
+  Triple<F8> centers;
   F8 radii;        ///< grown
   float growth;    ///< by which the radii are
   unsigned lanes;  ///< those that are clusters
@@ -17,7 +17,7 @@ struct Block {
 
 /// Eight spheres in a field.
 struct Balls {
-  F8 bound;  ///< no point within has a smaller distance, metres
+  F8 bound;  ///< no point within has a smaller distance, meters
   I8 tags;
   unsigned lanes;  ///< those that may hold a point below the margin
   unsigned full;   ///< some of those that hold no other points
@@ -45,7 +45,7 @@ VOXSHELL_INLINE Block load_block(const TreeView& tree, int level, uint32_t index
   return {data, load_triple(data), radii + growth, growth, bits(radii >= 0.0f)};
 }
 
-/// How far points may lie from their sphere's centre against a unit normal: what the slab's
+/// How far points may lie from their sphere's center against a unit normal: what the slab's
 /// thickness and, as far as it is tilted, its width allow.
 VOXSHELL_INLINE F8 bound_extent(const Block& block, const Triple<float>& normal) {
   const float* slab = block.data + kSlabFloats;
@@ -64,14 +64,14 @@ template <class V>
 VOXSHELL_INLINE Balls test_balls(const PosedView<V>& posed, const Block& block, uint32_t /*tag*/,
                                  float margin) {
   const F8 bound =
-      evaluate_lower_bound(posed.field, to_field(posed, block.centres), block.radii) - posed.slack;
+      evaluate_lower_bound(posed.field, to_field(posed, block.centers), block.radii) - posed.slack;
   return {bound, I8{}, lanes_below(bound, margin) & block.lanes, 0};
 }
 
 VOXSHELL_INLINE Balls test_balls(const PosedView<PlaneView>& posed, const Block& block,
                                  uint32_t /*tag*/, float margin) {
   const float (&n)[3] = posed.field.normal;
-  const F8 bound = evaluate_distance(posed.field, block.centres) -
+  const F8 bound = evaluate_distance(posed.field, block.centers) -
                    bound_extent(block, {n[0], n[1], n[2]}) - posed.slack;
   return {bound, I8{}, lanes_below(bound, margin) & block.lanes, 0};
 }
@@ -113,7 +113,7 @@ template <Test kTest = Test::kWithBounds, class G>
 VOXSHELL_INLINE Balls test_balls(const PosedView<G>& posed, const Block& block, uint32_t tag,
                                  float margin) {
   const G& grid = posed.field;
-  const Triple<F8> p = to_field(posed, block.centres);
+  const Triple<F8> p = to_field(posed, block.centers);
   if (tag != 0) {
     const F8 distance = distance_to_plane(grid, tag, p);
     const F8 reach = bound_extent(posed, block, tag) + posed.slack;

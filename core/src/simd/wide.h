@@ -54,7 +54,7 @@ using Integer = typename Lanes<F>::I;
 template <class F>
 using MaskOf = typename Lanes<F>::Mask;
 
-/// Coordinates, metres.
+/// Coordinates, meters.
 template <class F>
 struct Triple {
   F x, y, z;
@@ -104,7 +104,7 @@ VOXSHELL_INLINE F with_sign(F magnitude, F sign) {
   return as_float(as_int(magnitude) | (as_int(sign) & INT32_MIN));
 }
 
-/// Rounds towards zero; the value must fit.
+/// Rounds toward zero; the value must fit.
 VOXSHELL_INLINE int32_t to_int(float value) { return static_cast<int32_t>(value); }
 VOXSHELL_INLINE float to_float(int32_t value) { return static_cast<float>(value); }
 

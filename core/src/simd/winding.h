@@ -6,9 +6,9 @@ namespace voxshell::simd {
 
 /// A group of triangles, in a binary tree of which the first node is the root.
 struct WindingNode {
-  double centre[3];  ///< of the triangles' area
+  double center[3];  ///< of the triangles' area
   double area[3];    ///< sum of the triangles' normals, as long as their areas
-  double radius;     ///< no triangle reaches farther from the centre
+  double radius;     ///< no triangle reaches farther from the center
   uint32_t first;    ///< a leaf's first triangle; an inner node's right child
   uint32_t count;    ///< a leaf's triangles; 0 for an inner node, whose left child is next
 };

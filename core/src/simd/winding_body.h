@@ -159,13 +159,13 @@ VOXSHELL_INLINE D4 compute_four(const WindingView& tree, const FourPlaces& p) {
   while (waiting > 0) {
     const Waiting next = stack[--waiting];
     const WindingNode& node = tree.nodes[next.node];
-    const FourPlaces to_centre = way_to(node.centre, p);
-    const D4 squared = dot(to_centre, to_centre);
+    const FourPlaces to_center = way_to(node.center, p);
+    const D4 squared = dot(to_center, to_center);
     const L4 is_far = squared > kFarAway * kFarAway * node.radius * node.radius;
     const L4 is_one = next.of & is_far;
     if (any(is_one)) {
       const D4 seen =
-          to_centre.x * node.area[0] + to_centre.y * node.area[1] + to_centre.z * node.area[2];
+          to_center.x * node.area[0] + to_center.y * node.area[1] + to_center.z * node.area[2];
       sum = select(is_one, sum + seen / (squared * square_root(squared)), sum);
     }
     const L4 are_many = next.of & ~is_far;

@@ -93,7 +93,7 @@ void bind_geometries(nb::module_& module) {
         const MassProperties m = kind == "surface" ? compute_surface_mass_properties(mesh)
                                                    : compute_solid_mass_properties(mesh);
         return std::pair(
-            to_coordinates(m.centre_of_mass),
+            to_coordinates(m.center_of_mass),
             std::array{to_coordinates(m.inertia.row_x), to_coordinates(m.inertia.row_y),
                        to_coordinates(m.inertia.row_z)});
       },

@@ -188,18 +188,18 @@ void bind_simulation(nb::module_& module) {
       .def(
           "add_body",
           [](Simulation& self, const Geometry& geometry, Motion motion, double mass,
-             const Coordinates& centre_of_mass, const std::array<Coordinates, 3>& inertia,
+             const Coordinates& center_of_mass, const std::array<Coordinates, 3>& inertia,
              const PoseMatrix& pose, const BodyMaterial& material) {
             return self.add_body({.geometry = geometry,
                                   .mass_properties = {mass,
-                                                      to_vec3(centre_of_mass),
+                                                      to_vec3(center_of_mass),
                                                       {to_vec3(inertia[0]), to_vec3(inertia[1]),
                                                        to_vec3(inertia[2])}},
                                   .motion = motion,
                                   .world_from_geometry = to_pose(pose),
                                   .material = material});
           },
-          nb::arg("geometry"), nb::arg("motion"), nb::arg("mass"), nb::arg("centre_of_mass"),
+          nb::arg("geometry"), nb::arg("motion"), nb::arg("mass"), nb::arg("center_of_mass"),
           nb::arg("inertia"), nb::arg("pose"), nb::arg("material"))
       .def("remove_body", &Simulation::remove_body)
       .def("add_joint", &Simulation::add_joint)

@@ -279,7 +279,7 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
   axes_->set_stretch(position - settings_.spring_position);
 
   double velocity = 0.0;
-  const auto towards = [&](double target, double speed) {
+  const auto toward = [&](double target, double speed) {
     const double closing = kServoGain * (target - position) / time_step + speed;
     return std::clamp(closing, -motor.max_speed, motor.max_speed);
   };
@@ -291,11 +291,11 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
       velocity = motor.target;
       break;
     case MotorMode::kPosition:
-      velocity = towards(motor.target, 0.0);
+      velocity = toward(motor.target, 0.0);
       break;
     case MotorMode::kFollow:
-      velocity = towards(motor.multiplier * leader.position + motor.target,
-                         motor.multiplier * leader.velocity);
+      velocity = toward(motor.multiplier * leader.position + motor.target,
+                        motor.multiplier * leader.velocity);
       break;
   }
   drive(velocity, motor.max_force);

@@ -30,9 +30,9 @@ std::unique_ptr<btConvexHullShape> make_hull(const std::vector<Vec3>& points,
 void widen(btCollisionShape& shape) {
   if (shape.getShapeType() != FAST_CONCAVE_MESH_PROXYTYPE) return;
   constexpr double kOfRadius = 0.05;
-  btVector3 centre;
+  btVector3 center;
   btScalar radius = 0.0;
-  shape.getBoundingSphere(centre, radius);
+  shape.getBoundingSphere(center, radius);
   shape.setMargin(std::max(shape.getMargin(), kOfRadius * radius));
 }
 

@@ -97,7 +97,7 @@ def write_outputs(
     return [out / name for name in sorted(list_files(scene))]
 
 
-def summarise(run: SceneRun) -> list[dict[str, Any]]:
+def summarize(run: SceneRun) -> list[dict[str, Any]]:
     """Return each body's final position, speed, and depths of contacts, ready for JSON."""
     rows = []
     for index, name in enumerate(run.names):
@@ -133,7 +133,7 @@ def describe_results(scene: Scene, world: World, run: SceneRun) -> dict[str, Any
             "joints": {name: asdict(each) for name, each in scene.joints.items()},
         },
         "steps": scene.world.steps,
-        "bodies": summarise(run),
+        "bodies": summarize(run),
         "joints": [
             {"joint": joint.name, "position": joint.position, "velocity": joint.velocity}
             for joint in world.joints

@@ -20,14 +20,14 @@ def format_time(seconds: float) -> str:
     return _format(seconds, _TIMES)
 
 
-def format_length(metres: float) -> str:
+def format_length(meters: float) -> str:
     """Return a length, which may be negative, as text.
 
     Example:
         >>> [format_length(x) for x in (0.2115, -0.00123, 4.5e-6, 12.0, 1e-20)]
         ['212 mm', '-1.23 mm', '4.50 µm', '12.0 m', '0 m']
     """
-    return _format(metres, _LENGTHS)
+    return _format(meters, _LENGTHS)
 
 
 def format_size(count: float) -> str:

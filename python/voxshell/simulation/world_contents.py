@@ -211,7 +211,7 @@ class WorldContents:
             geometry,
             motion=MOTIONS[motion],
             mass=kilograms,
-            centre_of_mass=matter.center_of_mass.tolist(),
+            center_of_mass=matter.center_of_mass.tolist(),
             inertia=matter.inertia.tolist(),
             pose=world_from_body,
             material=properties,

@@ -53,7 +53,7 @@ def explain(runs: list[DropRun], steps: int) -> str:
         f"narrow phase  all of Bullet's work on the pair in a step; steps {first} to {last}",
         "ratio         to VPS fine; thesis: as published in section 5.3 (fine: 0.71 ms)",
         "deep          deepest contact that the method itself reported, in any step",
-        f"rest          largest speed of the centre of mass in the last {REST_STEPS} steps",
+        f"rest          largest speed of the center of mass in the last {REST_STEPS} steps",
         "low           lowest vertex of the mesh over the ground then, whatever collided",
         "ground        a block: voxels for VPS, a btBoxShape for others; or a plane",
     ]

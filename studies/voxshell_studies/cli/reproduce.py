@@ -15,7 +15,7 @@ from voxshell.errors import SettingsError
 from voxshell.measuring.files import finite
 
 from voxshell_studies.cli.verdict_table import make_table
-from voxshell_studies.report.catalogue import EXPERIMENTS
+from voxshell_studies.report.catalog import EXPERIMENTS
 
 if TYPE_CHECKING:
     from voxshell_studies.experiment import Experiment

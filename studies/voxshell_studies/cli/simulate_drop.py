@@ -123,7 +123,7 @@ def _run(
     console: Console,
 ) -> tuple[list[DropRun], list[DropSummary]]:
     """Build, simulate and write, with a line of progress for each part."""
-    from voxshell_studies.drop import run_drop, summarise
+    from voxshell_studies.drop import run_drop, summarize
     from voxshell_studies.drop_report import draw_curves, save_page, write_results
     from voxshell_studies.scenes.drop import build_shapes
 
@@ -136,7 +136,7 @@ def _run(
             count = min(steps, slow_steps) if method.is_slow else steps
             with tracked(progress, f"drop {method.label}") as track:
                 runs.append(run_drop(shapes, method, settings, count, track.advance))
-        summaries = summarise(runs)
+        summaries = summarize(runs)
         with tracked(progress, "write results") as track, filling(out) as folder:
             write_results(folder / RESULTS, str(path), settings, shapes, runs, summaries)
             track.update(CURVES, 0.1)

@@ -125,19 +125,19 @@ def make_cases(mesh: Mesh) -> tuple[Case, ...]:
     standing = stand(mesh, GROUND_DEPTH)
     below = np.eye(4)
     below[2, 3] = -BOX_HALF_EXTENTS[2]
-    millimetres = f"{GROUND_DEPTH * 1e3:.1f}"
+    millimeters = f"{GROUND_DEPTH * 1e3:.1f}"
     cases = [
-        Case("plane", f"plane {millimetres}", "plane", GROUND_DEPTH, vary(standing), np.eye(4)),
-        Case("box", f"box {millimetres}", "box", GROUND_DEPTH, vary(standing), below),
+        Case("plane", f"plane {millimeters}", "plane", GROUND_DEPTH, vary(standing), np.eye(4)),
+        Case("box", f"box {millimeters}", "box", GROUND_DEPTH, vary(standing), below),
     ]
     for depth, offset in PAIR_OFFSETS:
         pose = np.eye(4)
         pose[0, 3] = offset
-        millimetres = f"{depth * 1e3:.1f}"
+        millimeters = f"{depth * 1e3:.1f}"
         cases.append(
             Case(
-                f"pair-{millimetres}",
-                f"pair {millimetres}",
+                f"pair-{millimeters}",
+                f"pair {millimeters}",
                 "body",
                 depth,
                 vary(pose),

@@ -102,11 +102,11 @@ def judge_drop(poses: NDArray[np.float64], job: Job, other: Other, rate: float) 
     end = poses[-last:]
     speed = np.linalg.norm(np.diff(end[:, :3, 3], axis=0), axis=1).max() * rate
     spin = max(_angle(a, b) for a, b in pairwise(end)) * rate
-    centre = poses[-1, :3, 3]
+    center = poses[-1, :3, 3]
     half = job.box_half_extents
-    if other == "box" and (np.abs(centre[:2]) > half[:2]).any():
+    if other == "box" and (np.abs(center[:2]) > half[:2]).any():
         outcome = "off"
-    elif centre[2] < 0.0:
+    elif center[2] < 0.0:
         outcome = "through"
     elif lowest[-1] < -SUNK:
         outcome = "sinks"

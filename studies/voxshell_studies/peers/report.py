@@ -45,7 +45,7 @@ def describe(comparison: Comparison) -> dict[str, object]:
     """Return all results for JSON, in seconds, meters, m/s and rad/s."""
     return {
         "experiment": "peers",
-        "units": "seconds, metres, m/s, rad/s",
+        "units": "seconds, meters, m/s, rad/s",
         "settings": plain(comparison.settings),
         "environment": comparison.environment,
         "truth_problem": comparison.truth_problem,

@@ -294,7 +294,7 @@ def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
     who = f"{_label(settings, 'low')} as its mesh lies"
     rows = [
         Row(
-            f"first contact beside the centre, {name}, published rule",
+            f"first contact beside the center, {name}, published rule",
             None,
             round(_measure_first_contact(results[part]) * 1e3, 3),
             "mm",
@@ -303,7 +303,7 @@ def _rows_beside(settings: BallSettings, results: Results) -> list[Row]:
         for name, part, note in (
             (_label(settings, "low"), "fall-published-low", ""),
             (_label(settings, "high"), "fall-published-high", ""),
-            (who, "fall-published-low-beside", "a polyhedron that lands beside its centre turns"),
+            (who, "fall-published-low-beside", "a polyhedron that lands beside its center turns"),
         )
     ]
     for restitution, rule in product(settings.restitutions, ball.RULES):
@@ -328,8 +328,8 @@ def _measure_first_contact(fall: Tables) -> float:
     """Return the offset of the first contact from the center, first restitution, meters."""
     contacts = fall["contacts_0"]
     first = int(contacts["frame"].argmin())
-    centre = read_poses({"poses": fall["poses_0"]}, "ball")[contacts["frame"][first], :2, 3]
-    return float(np.hypot(contacts["x"][first] - centre[0], contacts["y"][first] - centre[1]))
+    center = read_poses({"poses": fall["poses_0"]}, "ball")[contacts["frame"][first], :2, 3]
+    return float(np.hypot(contacts["x"][first] - center[0], contacts["y"][first] - center[1]))
 
 
 def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture]:
@@ -340,7 +340,7 @@ def draw(settings: BallSettings, results: Results, folder: Path) -> list[Picture
     _draw_energy(settings, results, folder / "energy.png")
     _save_replay(settings, results, folder / "replay.html")
     return [
-        Picture("heights-published.png", "Height of the centre over steps, as published: the shells under the published rule, Bullet's sphere, and the ideal first apex (dashed); dotted: the coarse ball when it lands beside its centre, and turns."),
+        Picture("heights-published.png", "Height of the center over steps, as published: the shells under the published rule, Bullet's sphere, and the ideal first apex (dashed); dotted: the coarse ball when it lands beside its center, and turns."),
         Picture("heights-voxshell.png", "The same with this package's rule."),
         Picture("phases.png", "Deepest penetration against the start height: the published figures are single points of these saw-teeth."),
         Picture("energy.png", "Energy over steps, turning included, as part of that at the start, with our rule."),
@@ -368,7 +368,7 @@ def _panels(
 
 
 def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: str) -> None:
-    with _panels(settings, path, 4, "step", "height of the centre, m") as panels:
+    with _panels(settings, path, 4, "step", "height of the center, m") as panels:
         for axes, restitution in panels:
             for method in ball.METHODS:
                 which = "published" if method == "bullet" else rule
@@ -386,7 +386,7 @@ def _draw_heights(settings: BallSettings, results: Results, path: Path, rule: st
                 color=COLORS["low"],
                 lw=1.2,
                 ls=":",
-                label=f"{settings.low_points} points, landing beside its centre",
+                label=f"{settings.low_points} points, landing beside its center",
             )
             ideal = _compute_ideal_apex(settings, restitution)
             axes.axhline(ideal, color=FAINT, ls="--", lw=1, label="ideal first apex")

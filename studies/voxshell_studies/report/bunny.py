@@ -289,7 +289,7 @@ def _rows_of_pictures(tables: Tables) -> list[Row]:
         ),
         Row(
             "picture of the segments: those of level 5, fine shell",
-            "in colours",
+            "in colors",
             levels[max(levels)],
             "",
             reproduced=all(levels[level] < levels[level + 1] for level in bunny.LEVELS[:-1]),
@@ -382,11 +382,11 @@ def draw(settings: BunnyFallSettings, results: Results, folder: Path) -> list[Pi
     _animate(settings, tables, thin_out(mesh, settings.size / 30), folder / "animation.gif")
     save_page(folder / "replay.html", "The falling bunny", runs, _summaries(runs))
     return [
-        Picture("curves.png", "Time of the narrow phase and speed over steps, as published (logarithmic axes); grey: full operation."),
+        Picture("curves.png", "Time of the narrow phase and speed over steps, as published (logarithmic axes); gray: full operation."),
         Picture("animation.gif", "The drop, a quarter of real time: VPS fine and coarse, GImpact, convex hull, convex decomposition."),
         Picture("frames.png", f"The fine bunny at steps {', '.join(map(str, FRAME_STEPS))}."),
-        Picture("hulls.png", "The mesh, its convex hull of 42 directions, and its convex decompositions, a colour a hull."),
-        Picture("segments.png", f"Segments of the fine shell at levels {', '.join(map(str, LEVELS_SHOWN))}, a colour each."),
+        Picture("hulls.png", "The mesh, its convex hull of 42 directions, and its convex decompositions, a color a hull."),
+        Picture("segments.png", f"Segments of the fine shell at levels {', '.join(map(str, LEVELS_SHOWN))}, a color each."),
         Picture("replay.html", "All methods side by side, with their contacts."),
     ]  # fmt: skip
 
@@ -411,9 +411,9 @@ def _read_runs(settings: BunnyFallSettings, tables: Any, mesh: Mesh) -> list[Dro
 
 
 def _summaries(runs: list[DropRun]) -> Any:
-    from voxshell_studies.drop import summarise
+    from voxshell_studies.drop import summarize
 
-    return summarise(runs)
+    return summarize(runs)
 
 
 def _find_surface(tables: Any, key: str) -> Mesh | None:

@@ -135,7 +135,7 @@ def draw(settings: GearsSettings, results: Results, folder: Path) -> list[Pictur
     _save_replay(settings, results, ran, folder / "replay.html")
     return [
         Picture("turns.png", "Turns of the other gear over those of the driven one, and how far it is ahead; dashed: the ratio of the teeth."),
-        Picture("gears.png", "The gears as each method has them, a colour a convex part, at the end of its run."),
+        Picture("gears.png", "The gears as each method has them, a color a convex part, at the end of its run."),
         Picture("replay.html", "The gears of every method, with their contacts."),
     ]  # fmt: skip
 

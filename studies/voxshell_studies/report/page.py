@@ -85,7 +85,7 @@ def write_report(out: Path, findings: list[Finding], *, command: str) -> None:
             f"{environment['cpu']}, {environment['cores']} cores, Bullet {environment['bullet']}, "
             f"voxshell {environment['voxshell']} at {environment['commit'] or 'an unknown commit'}"
         ),
-        summary=_summarise(findings),
+        summary=_summarize(findings),
         shortfalls=_list_shortfalls(findings),
         sections="\n".join(sections),
         made=_tell_environment(environment),
@@ -113,7 +113,7 @@ page. Absolute times are this machine's: compare ratios, orders and flatness.</p
 """
 
 
-def _summarise(findings: Iterable[Finding]) -> str:
+def _summarize(findings: Iterable[Finding]) -> str:
     lines = []
     for each in findings:
         published = [row.reproduced for row in each.rows if row.reproduced is not None]

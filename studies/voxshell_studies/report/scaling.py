@@ -191,7 +191,7 @@ def draw(settings: ScalingSettings, results: Results, folder: Path) -> list[Pict
         axes.annotate("real time", (settings.bodies[0], 5.0), va="bottom", color=FAINT)
         axes.legend(frameon=False)
     return [
-        Picture("scaling.png", "Narrow-phase time over points and over the voxel size; grey: orientations."),
+        Picture("scaling.png", "Narrow-phase time over points and over the voxel size; gray: orientations."),
         Picture("bodies.png", "Time of a step of heaps of bunnies at 200 Hz, one core."),
     ]  # fmt: skip
 

@@ -147,7 +147,7 @@ def draw(settings: StackSettings, results: Results, folder: Path) -> list[Pictur
         right.plot(
             bullet["step"][first], bullet["top"][first], color=PEERS[1], label="Bullet's spheres"
         )
-        right.set(xlabel="step", ylabel="height of the top's centre, m", xscale="symlog")
+        right.set(xlabel="step", ylabel="height of the top's center, m", xscale="symlog")
         right.legend(fontsize=8, frameon=False)
     _draw_bunnies(results, folder / "bunnies.png")
     _save_replay(settings, results, folder / "replay.html")

@@ -154,8 +154,8 @@ def _build_mesh(size: float) -> Mesh:
     areas = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    centre = np.average(corners.mean(axis=1), axis=0, weights=areas)
-    return Mesh(vertices - centre, mesh.faces)
+    center = np.average(corners.mean(axis=1), axis=0, weights=areas)
+    return Mesh(vertices - center, mesh.faces)
 
 
 @cache

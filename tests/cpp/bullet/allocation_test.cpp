@@ -68,7 +68,7 @@ TEST_P(Allocation, IsNoneInASettledStep) {
   world.add(world.make<btBoxShape>(to_bullet(Vec3{0.3, 0.3, 0.1})), 0, {{}, {1, 0, 0.1}});
   auto& compound = world.make<btCompoundShape>();
   compound.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));
-  // One child lies half a millimetre over a box, near enough to be tried without touching.
+  // One child lies half a millimeter over a box, near enough to be tried without touching.
   world.add(world.make<btBoxShape>(to_bullet(Vec3{0.4, 0.4, 0.1})), 0, {{}, {0, 6, 0.1}});
   auto& lifted = world.make<btCompoundShape>();
   lifted.addChildShape(btTransform::getIdentity(), &world.make<ModelShape>(cube_model()));

@@ -72,7 +72,7 @@ TEST(CarriedContacts, OfOtherBodiesAtTheSamePlaceStay) {
 }
 
 /// How deep a corner of a box goes that slides over another one of Bullet's for a second at 60 Hz;
-/// it begins 0.1 mm deep. Metres.
+/// it begins 0.1 mm deep. Meters.
 template <class World>
 double depth_of_sliding_box() {
   WorldOf<World, CoulombSolver> world;

@@ -12,7 +12,7 @@ namespace voxshell::bullet {
 namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
-constexpr double kAside = 1e-3;  // metres
+constexpr double kAside = 1e-3;  // meters
 
 CarryingPlaces corners_of_square() {
   CarryingPlaces places;

@@ -17,13 +17,13 @@ using namespace test_support;
 
 constexpr double kRate = 60.0;
 constexpr Vec3 kHalfBar{0.2, 0.01, 0.01};
-constexpr double kGap = 0.005;  // between the bar and the wall, metres
+constexpr double kGap = 0.005;  // between the bar and the wall, meters
 
 template <class World>
 using Weightless = WorldOf<World, CoulombSolver>;
 
 /// A bar beside a wall, which a torque turns from rest. The deepest place of its end in the wall
-/// within 0.1 s, metres. `is_model` tells what the wall is.
+/// within 0.1 s, meters. `is_model` tells what the wall is.
 template <class World>
 double depth_of_turned_bar(bool is_model) {
   Weightless<World> world({}, {});

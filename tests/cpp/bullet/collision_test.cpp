@@ -15,7 +15,7 @@ using namespace test_support;
 
 constexpr double kDepth = 0.004;
 
-// Rounding of btScalar at a metre or two; grids and shells are float32.
+// Rounding of btScalar at a meter or two; grids and shells are float32.
 constexpr double kTolerance = 3e-6;
 
 class Collision : public testing::TestWithParam<Partner> {};
@@ -40,7 +40,7 @@ void expect_contacts_as_by_hand(TouchingPair& pair, const PairCase& c, int max_p
     const auto* body1 = manifold.getBody1();
     ASSERT_TRUE((body0 == pair.cube && body1 == pair.partner) ||
                 (body1 == pair.cube && body0 == pair.partner));
-    const Vec3 towards_body0 = body0 == pair.cube ? pair.up : -pair.up;
+    const Vec3 toward_body0 = body0 == pair.cube ? pair.up : -pair.up;
     for (int i = 0; i < manifold.getNumContacts(); ++i) {
       ++points;
       const btManifoldPoint& point = manifold.getContactPoint(i);
@@ -49,7 +49,7 @@ void expect_contacts_as_by_hand(TouchingPair& pair, const PairCase& c, int max_p
       const Vec3 on_0 = from_bullet(point.getPositionWorldOnA());
       const Vec3 on_1 = from_bullet(point.getPositionWorldOnB());
       EXPECT_NEAR(length(normal), 1.0, 1e-5);
-      EXPECT_GT(dot(normal, towards_body0), 0.95);
+      EXPECT_GT(dot(normal, toward_body0), 0.95);
       EXPECT_LE(distance, 0.0);
       deepest = std::max(deepest, -distance);
       expect_near(on_0 - on_1, distance * normal, kTolerance);

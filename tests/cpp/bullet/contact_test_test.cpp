@@ -13,7 +13,7 @@ using namespace test_support;
 /// One reported point, as seen from the object that was asked about first.
 struct Reported {
   double distance;
-  Vec3 normal_towards_first;
+  Vec3 normal_toward_first;
   int part0;
   int part1;
 };
@@ -61,10 +61,10 @@ void expect_agreement(TouchingPair& pair, const Collector& collector,
                       const btCollisionObject* first, double distance) {
   ASSERT_FALSE(collector.reported.empty());
   EXPECT_LE(collector.reported.size(), 4u);
-  const Vec3 towards_first = first == pair.cube ? pair.up : -pair.up;
+  const Vec3 toward_first = first == pair.cube ? pair.up : -pair.up;
   // A sphere's normals fan out with the threshold.
   for (const Reported& r : collector.reported) {
-    EXPECT_GT(dot(r.normal_towards_first, towards_first), 0.9);
+    EXPECT_GT(dot(r.normal_toward_first, toward_first), 0.9);
   }
   EXPECT_GE(collector.smallest_distance(), distance - 1e-5);
   EXPECT_LE(collector.smallest_distance(), distance + 2e-4);

@@ -32,7 +32,7 @@ Vec3 heading(double degrees) {
   return {std::cos(angle), std::sin(angle), 0.0};
 }
 
-/// A body that lies on a ground, z up, whose gravity may lean towards `along`.
+/// A body that lies on a ground, z up, whose gravity may lean toward `along`.
 struct Slide {
   CoulombWorld world;
   btRigidBody& body;
@@ -85,7 +85,7 @@ struct Slide {
     return dot(from_bullet(body.getWorldTransform().getOrigin()), along);
   }
 
-  /// How far the body gets from `speed` until it stands, metres.
+  /// How far the body gets from `speed` until it stands, meters.
   double run_out(double speed, const Vec3& along, int rate) {
     settle(rate);
     const double start = way_along(along);
@@ -96,7 +96,7 @@ struct Slide {
   }
 };
 
-/// What a body that loses friction * g / rate a step moves from `speed` on, metres.
+/// What a body that loses friction * g / rate a step moves from `speed` on, meters.
 double run_out(double speed, double friction, int rate) {
   double way = 0.0;
   while (speed > 0.0) {
@@ -215,8 +215,8 @@ TEST(CoulombSolver, HoldsABoxAgainstATorqueBelowFriction) {
 }
 
 TEST(CoulombSolver, SlowsRollingByTheLeverWhateverTheWeight) {
-  constexpr double kLever = 0.01;  // metres
-  constexpr double kRadius = 0.1;  // metres
+  constexpr double kLever = 0.01;  // meters
+  constexpr double kRadius = 0.1;  // meters
   for (const double mass : {1.0, 1000.0}) {
     SCOPED_TRACE(mass);
     CoulombWorld world;

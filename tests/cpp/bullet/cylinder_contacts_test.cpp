@@ -38,7 +38,7 @@ std::shared_ptr<const Model> bar() {
   return model;
 }
 
-/// Half of a pipe along z, open towards +y.
+/// Half of a pipe along z, open toward +y.
 std::shared_ptr<const Model> trough() {
   static const auto model = [] {
     constexpr std::uint32_t kSides = 32;
@@ -163,9 +163,9 @@ TEST(CylinderContacts, OfAPegThatFitsAreAllAround) {
   On on(trough(), along({0, 0, 1}, {0, 0, 0}), /*is_capsule=*/false, kTroughRadius - 2e-5);
   const auto contacts = on.find();
   for (const double angle : {-2.9, -2.2, -1.6, -1.0, -0.3}) {
-    const Vec3 towards{std::cos(angle), std::sin(angle), 0.0};
+    const Vec3 toward{std::cos(angle), std::sin(angle), 0.0};
     const auto is_there = [&](const Contact& contact) {
-      return dot(static_cast<Vec3>(contact.normal), towards) > 0.9;
+      return dot(static_cast<Vec3>(contact.normal), toward) > 0.9;
     };
     EXPECT_GE(std::ranges::count_if(contacts, is_there), 2) << angle;
   }

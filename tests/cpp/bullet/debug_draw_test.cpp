@@ -28,7 +28,7 @@ class Recorder : public btIDebugDraw {
     Vec3 color;
   };
   struct Ball {
-    Vec3 centre;
+    Vec3 center;
     double radius;
     Vec3 color;
   };
@@ -38,8 +38,8 @@ class Recorder : public btIDebugDraw {
   void drawLine(const btVector3& from, const btVector3& to, const btVector3& color) override {
     lines.push_back({from_bullet(from), from_bullet(to), from_bullet(color)});
   }
-  void drawSphere(const btVector3& centre, btScalar radius, const btVector3& color) override {
-    balls.push_back({from_bullet(centre), static_cast<double>(radius), from_bullet(color)});
+  void drawSphere(const btVector3& center, btScalar radius, const btVector3& color) override {
+    balls.push_back({from_bullet(center), static_cast<double>(radius), from_bullet(color)});
   }
   void drawContactPoint(const btVector3& point, const btVector3&, btScalar, int,
                         const btVector3&) override {
@@ -73,7 +73,7 @@ struct Scene {
 
 constexpr double kRounding = 1e-5;
 
-TEST(DebugDraw, PointsAreLinesOutwardsInTheColoursOfTheirSegments) {
+TEST(DebugDraw, PointsAreLinesOutwardsInTheColorsOfTheirSegments) {
   const PointShell& shell = blob_model()->shell();
   for (const int level : {1, 3, 4}) {
     Scene scene;
@@ -124,7 +124,7 @@ TEST(DebugDraw, SpheresOfALevelHoldTheirSegmentsPoints) {
           scene.recorder.balls[shell.tree().segment(static_cast<std::uint32_t>(i), level)];
       const Vec3 point =
           scene.world_from_model.transform_point(static_cast<Vec3>(shell.points()[i]));
-      EXPECT_LE(length(point - ball.centre), ball.radius + kRounding);
+      EXPECT_LE(length(point - ball.center), ball.radius + kRounding);
     }
   }
 }
@@ -140,7 +140,7 @@ TEST(DebugDraw, LevelsBeyondTheTreesAreTheLast) {
   }
 }
 
-TEST(DebugDraw, NeighbouringSegmentsDiffer) {
+TEST(DebugDraw, NeighboringSegmentsDiffer) {
   for (std::uint32_t i = 0; i < 256; ++i) {
     const btVector3 color = segment_color(i);
     for (int k = 0; k < 3; ++k) {

@@ -14,7 +14,7 @@ constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// A ball in a groove that is bent to a ring: both of its radii are larger than the ball's.
 struct Groove {
-  Vec3 centre;  ///< of the ball, from the place of the groove's middle line that is nearest to it
+  Vec3 center;  ///< of the ball, from the place of the groove's middle line that is nearest to it
   double ball;
   double groove;
   double ring;
@@ -23,7 +23,7 @@ struct Groove {
   std::optional<Facing> face(const Vec3& direction, int& asked) const {
     return face_field(
         direction, {}, kNoLimit, kWithin,
-        [&](const Vec3& along) { return std::optional(centre + ball * along); },
+        [&](const Vec3& along) { return std::optional(center + ball * along); },
         [&](const Vec3& position) {
           ++asked;
           // The ring's axis is along z, at a distance of its radius along x.
@@ -42,7 +42,7 @@ TEST(FaceField, OfAGrooveThatIsHardlyWiderThanABall) {
     // As far off as a coarse grid's normal may be.
     const auto facing = bend.face(normalized(Vec3{0.5, 0.15, -0.8}), asked);
     ASSERT_TRUE(facing.has_value()) << groove;
-    EXPECT_NEAR(facing->position.x, bend.centre.x + 0.006, 2e-5) << groove;
+    EXPECT_NEAR(facing->position.x, bend.center.x + 0.006, 2e-5) << groove;
     EXPECT_NEAR(facing->position.y, 0.0, 2e-5) << groove;
     EXPECT_NEAR(facing->distance, 0.0, 1e-7) << groove;
     EXPECT_LE(asked, kMostSlides) << groove;

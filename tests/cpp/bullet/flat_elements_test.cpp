@@ -59,7 +59,7 @@ TEST(FlatElements, OfAGroundCarryABoxUpToItsEdges) {
   }
 }
 
-// The slab's own field is not 0 at its points, but wrong by up to 0.8 micrometres.
+// The slab's own field is not 0 at its points, but wrong by up to 0.8 micrometers.
 TEST(FlatElements, AtDepthsBelowErrorsOfFieldsCarryABoxUpright) {
   const auto slab = build_by_tolerance({0.5, 0.5, 0.025});
   const auto box = build_model(make_box({0.05, 0.05, 0.05}), 0.005);
@@ -91,7 +91,7 @@ TEST(FlatElements, BesideABoxAreNotContacts) {
   EXPECT_GT(beside, 10);
 }
 
-// Places a few micrometres beside a rim, where face_elements() had given them a depth, kept normals
+// Places a few micrometers beside a rim, where face_elements() had given them a depth, kept normals
 // aslant: a cube that slid over a slab of 1 m at 60 Hz turned by more than a degree.
 TEST(FlatElements, AHairBesideARimCarryABoxUpright) {
   const Field box = BoxField{{0.05, 0.05, 0.05}};

@@ -278,7 +278,7 @@ TEST(Hull, ThrownAtAThinModelStaysOnItsSide) {
   }
 }
 
-/// In how many placements, spread over a millimetre, a hull lies still after 20 s.
+/// In how many placements, spread over a millimeter, a hull lies still after 20 s.
 int count_calm(const std::vector<Vec3>& points, double margin, int placements = 10) {
   int calm = 0;
   for (int placement = 0; placement < placements; ++placement) {

@@ -265,7 +265,7 @@ TEST(KeptContacts, LetAFloorThatRisesSlowlyLiftABody) {
   const double start = height(scene.cube);
   scene.slab.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
   scene.slab.setActivationState(DISABLE_DEACTIVATION);
-  constexpr double kSpeed = 2e-5;  // m/s, a tenth of a micrometre a step
+  constexpr double kSpeed = 2e-5;  // m/s, a tenth of a micrometer a step
   for (int i = 1; i <= 400; ++i) {
     btTransform pose = scene.slab.getWorldTransform();
     pose.setOrigin(pose.getOrigin() + to_bullet(Vec3{0, 0, kSpeed / 200.0}));

@@ -44,7 +44,7 @@ struct Lift {
   }
 };
 
-/// The largest gap and depth, metres, between a lift that goes up and down at a metre per second
+/// The largest gap and depth, meters, between a lift that goes up and down at a meter per second
 /// and its cargo.
 template <class World>
 std::pair<double, double> ride(int rate) {
@@ -81,7 +81,7 @@ TEST(KinematicMotion, TurnsCargoRoundWithoutDrift) {
         SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION;
     lift.plate.setFriction(1);
     lift.cube.setFriction(scalar(0.5));
-    constexpr double kRadius = 0.3;  // metres
+    constexpr double kRadius = 0.3;  // meters
     constexpr double kSpin = 3.0;    // rad/s; the cube slides from 4.0 on
     lift.cube.getWorldTransform().getOrigin().setX(scalar(kRadius));
     lift.cube.setLinearVelocity(btVector3(0, scalar(kSpin * kRadius), 0));

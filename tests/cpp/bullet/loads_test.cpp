@@ -254,7 +254,7 @@ TEST(SolverState, BringsBackVelocitiesAfterImpulsesOfAnySize) {
 // ---- worlds
 // --------------------------------------------------------------------------------------
 
-/// How far the lower one of two cubes on a slab moves in a second, metres.
+/// How far the lower one of two cubes on a slab moves in a second, meters.
 double squeeze(double upper_mass, int rate, SolverEffort effort) {
   CoulombWorld world;
   CoulombSolver solver(effort);

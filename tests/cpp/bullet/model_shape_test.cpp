@@ -135,7 +135,7 @@ TEST(ModelShape, InertiaIsThatOfTheBodysAxes) {
   EXPECT_NEAR(inertia.y(), h.y * h.y + h.z * h.z, 1e-7);
 }
 
-TEST(ModelShape, RefusesToBeScaledOrSerialised) {
+TEST(ModelShape, RefusesToBeScaledOrSerialized) {
   ModelShape shape(cube_model());
   shape.setLocalScaling(btVector3(1, 1, 1));
   EXPECT_THROW(shape.setLocalScaling(btVector3(2, 2, 2)), std::logic_error);
@@ -152,11 +152,11 @@ class Triangles : public btTriangleCallback {
     EXPECT_EQ(part, 0);
     indices.insert(index);
     const btVector3 up = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    outwards = outwards && up.dot(corners[0] - centre) > 0;
+    outwards = outwards && up.dot(corners[0] - center) > 0;
     ++calls;
   }
 
-  btVector3 centre{0, 0, 0};
+  btVector3 center{0, 0, 0};
   std::set<int> indices;
   int calls = 0;
   bool outwards = true;
@@ -168,7 +168,7 @@ TEST(ModelShape, PassesEachTriangleOnceFacingOutwards) {
   const int count = static_cast<int>(ball_model()->mesh().triangles().size());
   for (const double reach : {1.0, 1e18}) {
     Triangles all;
-    all.centre = to_bullet(body_from_model.translation);
+    all.center = to_bullet(body_from_model.translation);
     shape.processAllTriangles(&all, to_bullet(Vec3{-reach, -reach, -reach}),
                               to_bullet(Vec3{reach, reach, reach}));
     EXPECT_EQ(all.calls, count);
@@ -185,17 +185,17 @@ TEST(ModelShape, PassesNoFewerTrianglesThanTouchTheBox) {
   for (int i = 0; i < 50; ++i) {
     const Pose body_from_model = random.pose(0.5);
     const ModelShape shape(ball_model(), body_from_model);
-    const Vec3 centre = body_from_model.translation + kBallRadius * random.direction();
+    const Vec3 center = body_from_model.translation + kBallRadius * random.direction();
     const Vec3 half{0.02, 0.02, 0.02};
     Triangles some;
-    shape.processAllTriangles(&some, to_bullet(centre - half), to_bullet(centre + half));
+    shape.processAllTriangles(&some, to_bullet(center - half), to_bullet(center + half));
     passed += some.indices.size();
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
       const auto corners = mesh.corners(t);
       const Vec3 middle =
           body_from_model.transform_point((1.0 / 3.0) * (corners[0] + corners[1] + corners[2]));
       const auto within = [&](int axis) {
-        return std::abs(middle[axis] - centre[axis]) < half[axis];
+        return std::abs(middle[axis] - center[axis]) < half[axis];
       };
       if (!within(0) || !within(1) || !within(2)) continue;
       ++wanted;

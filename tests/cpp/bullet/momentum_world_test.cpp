@@ -99,9 +99,9 @@ TEST(MomentumWorld, LeavesWhatItCannotTurnToBullet) {
 
 // A top that spins fast about its upright axis, a tenth of a radian aslant, on a point.
 TEST(MomentumWorld, LetsAHeavyTopPrecess) {
-  constexpr double kArm = 0.05;       // metres from the point to the centre of mass
+  constexpr double kArm = 0.05;       // meters from the point to the center of mass
   constexpr double kAlong = 2e-4;     // kg m2
-  constexpr double kAcross = 1.5e-4;  // about the centre of mass
+  constexpr double kAcross = 1.5e-4;  // about the center of mass
   constexpr double kSpin = 200.0;     // rad/s
   constexpr double kTilt = 0.3;
   SpinWorld world({}, {0, 0, -9.81});

@@ -70,9 +70,9 @@ TEST(Path, IsNoLongerThanItSays) {
 TEST(Path, TurnsDirectionsWithTheBody) {
   const TwoBalls balls;
   const Path path(balls.step.motion, kPlace, kStep);
-  const Path from_centre(balls.step.motion, balls.step.motion.own.centre, kStep);
-  const Vec3 arm = kPlace - balls.step.motion.own.centre;
-  const Vec3 turned = path.at(0.4) - from_centre.at(0.4);
+  const Path from_center(balls.step.motion, balls.step.motion.own.center, kStep);
+  const Vec3 arm = kPlace - balls.step.motion.own.center;
+  const Vec3 turned = path.at(0.4) - from_center.at(0.4);
   EXPECT_NEAR(length(turned - path.turned_at(0.4, arm)), 0.0, 1e-12);
 }
 

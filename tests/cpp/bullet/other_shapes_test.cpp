@@ -58,9 +58,9 @@ const std::vector<Convex>& convexes() {
       {"Hull", 0.05, true, [](TestWorld& w) -> btCollisionShape& { return make_hull(w); }},
       {"MultiSphere", 0.05, false,
        [](TestWorld& w) -> btCollisionShape& {
-         const btVector3 centres[] = {to_bullet(Vec3{-0.05, 0, 0}), to_bullet(Vec3{0.05, 0, 0})};
+         const btVector3 centers[] = {to_bullet(Vec3{-0.05, 0, 0}), to_bullet(Vec3{0.05, 0, 0})};
          const btScalar radii[] = {scalar(0.05), scalar(0.05)};
-         return w.make<btMultiSphereShape>(centres, radii, 2);
+         return w.make<btMultiSphereShape>(centers, radii, 2);
        }},
   };
   return all;

@@ -12,7 +12,7 @@
 namespace voxshell::bullet {
 namespace {
 
-constexpr double kLeast = 1e-6;       // metres
+constexpr double kLeast = 1e-6;       // meters
 constexpr double kTolerance = 0.012;  // of the size of a set of contacts
 constexpr float kBand = 1e-5f;
 constexpr Vec3f kUp{0, 0, 1};

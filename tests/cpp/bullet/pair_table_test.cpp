@@ -39,7 +39,7 @@ namespace {
 
 using namespace test_support;
 
-constexpr double kDepth = 0.004;  ///< metres, of a cube in its partner
+constexpr double kDepth = 0.004;  ///< meters, of a cube in its partner
 constexpr double kMargin = 0.001;
 
 /// A mesh of Bullet's: a square of 2 x 2 m whose top is at z = 0, in 8 triangles.
@@ -126,9 +126,9 @@ const std::vector<Partner>& partners() {
        }},
       {"btMultiSphereShape", 0.1,
        [](TestWorld& w) -> btCollisionShape& {
-         const btVector3 centres[] = {to_bullet(Vec3{-0.1, 0, 0}), to_bullet(Vec3{0.1, 0, 0})};
+         const btVector3 centers[] = {to_bullet(Vec3{-0.1, 0, 0}), to_bullet(Vec3{0.1, 0, 0})};
          const btScalar radii[] = {scalar(0.1), scalar(0.1)};
-         return w.make<btMultiSphereShape>(centres, radii, 2);
+         return w.make<btMultiSphereShape>(centers, radii, 2);
        }},
       {"btConvexHullShape", 0.1 + kMargin,
        [](TestWorld& w) -> btCollisionShape& {

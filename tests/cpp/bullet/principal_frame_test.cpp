@@ -40,7 +40,7 @@ void expect_principal(const BodyFrame& frame, const MassProperties& mass) {
   EXPECT_NEAR(d.row_x.y / scale, 0.0, 1e-12);
   EXPECT_NEAR(d.row_x.z / scale, 0.0, 1e-12);
   EXPECT_NEAR(d.row_y.z / scale, 0.0, 1e-12);
-  EXPECT_EQ(frame.model_from_body.translation, mass.centre_of_mass);
+  EXPECT_EQ(frame.model_from_body.translation, mass.center_of_mass);
 }
 
 TEST(PrincipalFrame, OfTurnedAndShiftedBodies) {
@@ -58,7 +58,7 @@ TEST(PrincipalFrame, OfTurnedAndShiftedBodies) {
   }
 }
 
-TEST(PrincipalFrame, FindsTheMomentsAndCentreOfABox) {
+TEST(PrincipalFrame, FindsTheMomentsAndCenterOfABox) {
   Random random(6);
   for (int i = 0; i < 50; ++i) {
     const Pose pose = random.pose(1.0);

@@ -186,9 +186,9 @@ TEST(RayTriangles, AreThoseAlongTheRayAndNotAllOfItsBox) {
   const Pose body_from_model = random.pose(0.3);
   const ModelShape shape(ball_model(), body_from_model);
   const std::size_t few = ball_model()->mesh().triangles().size() / 20;
-  const btVector3 centre = to_bullet(body_from_model.translation);
-  const btVector3 from = centre + btVector3(1, 1, 1);
-  const btVector3 to = centre - btVector3(1, 1, 1);
+  const btVector3 center = to_bullet(body_from_model.translation);
+  const btVector3 from = center + btVector3(1, 1, 1);
+  const btVector3 to = center - btVector3(1, 1, 1);
   RayTriangles ray(from, to);
   shape.processAllTriangles(&ray, to, from);
   EXPECT_GT(ray.count, 0u);

@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(
                      testing::Values(ContactMode::kRegular, ContactMode::kSegmented)));
 
 /// The highest place after the first bounce over that before it, above where the ball touches,
-/// dropped `drop` metres.
+/// dropped `drop` meters.
 double rebound_ratio(TestWorld& world, btRigidBody& ball, double drop) {
   bool rises = false;
   double top = kBallRadius;

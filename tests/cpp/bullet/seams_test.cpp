@@ -19,7 +19,7 @@ namespace {
 using namespace test_support;
 
 constexpr double kHalf = 0.05;
-constexpr double kTile = 0.4;  // length of a tile's side, metres
+constexpr double kTile = 0.4;  // length of a tile's side, meters
 constexpr Vec3 kHalfTile{0.5 * kTile, 0.5 * kTile, 0.025};
 constexpr double kRates[] = {1000.0, 200.0, 60.0, 30.0};
 
@@ -44,7 +44,7 @@ btRigidBody& add_tile(World& world, Tiles tiles, const Vec3& top, double mass = 
   return world.add(world.template make<btBoxShape>(to_bullet(kHalfTile)), mass, pose);
 }
 
-/// A cube that stands on the first tile and is then pushed towards the origin.
+/// A cube that stands on the first tile and is then pushed toward the origin.
 template <class World>
 btRigidBody& push_cube(World& world, double rate, double speed, double heading, double turn = 0.0) {
   const Vec3 ahead{std::cos(heading), std::sin(heading), 0};
@@ -126,7 +126,7 @@ TEST(Seams, OfCompoundsAreNotNoticed) {
   }
 }
 
-TEST(Seams, LetTilesDifferInHeightByATenthOfAMillimetre) {
+TEST(Seams, LetTilesDifferInHeightByATenthOfAMillimeter) {
   for (const double rate : kRates) {
     for (const double step : {1e-6, 1e-4}) {
       Seamless world;
@@ -137,7 +137,7 @@ TEST(Seams, LetTilesDifferInHeightByATenthOfAMillimetre) {
   }
 }
 
-TEST(Seams, AreNotStepsOfTwoMillimetres) {
+TEST(Seams, AreNotStepsOfTwoMillimeters) {
   for (const Tiles tiles : {Tiles::kModels, Tiles::kBoxes}) {
     for (const double rate : kRates) {
       Seamless world;

@@ -150,7 +150,7 @@ TEST(CoarseGround, LetsABoxSlideAsFarAsFrictionSays) {
 }
 
 // A corner that has passed the middle of a wall is nearer to the wall's far side.
-TEST(Features, ArePushedTowardsTheMiddleOfTheirShape) {
+TEST(Features, ArePushedTowardTheMiddleOfTheirShape) {
   const auto wall = ground(0.01, 0.04);
   for (const double depth : {0.005, 0.02, 0.03}) {
     TestWorld world({}, {0, 0, 0});

@@ -152,7 +152,7 @@ TEST_P(Solvers, BringADroppedModelToRest) {
       const Lying lying = expect_true_landing_and_lie(drop.world, drop.body);
       if (model == blob_model() && !has_rolling_friction) continue;
       constexpr double kRocking = 0.3;  // rad/s
-      constexpr double kAside = 0.01;   // metres
+      constexpr double kAside = 0.01;   // meters
       EXPECT_LT(lying.fastest_turn, std::max(kRocking, kCalm));
       EXPECT_LT(lying.drift, kAside);
       if (!lying.is_calm()) ++rocking;

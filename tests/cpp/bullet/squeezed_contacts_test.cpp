@@ -227,8 +227,8 @@ TEST(SqueezedContacts, LeavesOtherBodiesOfTheIslandRigid) {
 // ---- worlds
 // --------------------------------------------------------------------------------------
 
-/// How far cubes in a row of `count` come down, metres, in a second after two kinematic fingers
-/// have closed on them, each a millimetre too far.
+/// How far cubes in a row of `count` come down, meters, in a second after two kinematic fingers
+/// have closed on them, each a millimeter too far.
 double slip(int count, int rate) {
   WorldOf<KinematicMotionWorld<>, CoulombSolver> world;
   world.world.getSolverInfo().m_solverMode |=

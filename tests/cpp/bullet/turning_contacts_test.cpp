@@ -26,7 +26,7 @@ constexpr double kStep = 1.0 / 60.0;
 constexpr double kBall = 0.05;
 constexpr double kTrough = 0.1;
 
-/// A third of a round trough about the z axis, open towards y, with its lowest line at y =
+/// A third of a round trough about the z axis, open toward y, with its lowest line at y =
 /// -kTrough.
 std::shared_ptr<const Model> trough_model() {
   static const auto model = [] {
@@ -69,7 +69,7 @@ struct Rolling {
     nearest.normal = static_cast<Vec3f>(bodies.pair.shell_is_a == ball_first ? normal : -normal);
     turning.find(step, std::span(&nearest, 1), std::span(&nearest.id, 1));
   }
-  /// By how much it counts on coming nearer, metres.
+  /// By how much it counts on coming nearer, meters.
   double turn() const { return kStep * turning.speed_of(nearest.id); }
 
   TestWorld world{{}, {0, 0, 0}};

@@ -11,7 +11,7 @@
 
 #include "support/model_bytes.h"
 #include "support/random.h"
-#include "support/travelling_models.h"
+#include "support/traveling_models.h"
 #include "voxshell/contacts.h"
 #include "voxshell/model_file.h"
 
@@ -71,10 +71,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::size_t done = 0;
-  for (const auto& [name, model] : travelling_models()) {
+  for (const auto& [name, model] : traveling_models()) {
     const std::string path = std::string(argv[2]) + "/" + name + ".vxs";
     if ((command == "write" ? write_file : check_file)(path, *model)) ++done;
   }
-  std::printf("%zu of %zu\n", done, travelling_models().size());
-  return done == travelling_models().size() ? 0 : 1;
+  std::printf("%zu of %zu\n", done, traveling_models().size());
+  return done == traveling_models().size() ? 0 : 1;
 }

@@ -1,5 +1,5 @@
 // How long single queries take, for `./dev soak`: all contacts of two bodies of one model that move
-// in each other as a hand moves one at 1 kHz, half a millimetre clear to two deep.
+// in each other as a hand moves one at 1 kHz, half a millimeter clear to two deep.
 //
 //     voxshell_query_latency MODEL_FILE SEED QUERIES
 //
@@ -28,7 +28,7 @@ using namespace voxshell;
 namespace {
 
 constexpr std::uint64_t kQueriesAPath = 1000;  // a second at 1 kHz
-constexpr double kStep = 1e-4;                 // metres from one query to the next, at most
+constexpr double kStep = 1e-4;                 // meters from one query to the next, at most
 constexpr double kBucketsAnOctave = 16.0;
 constexpr std::size_t kBuckets = 640;  // up to 18 minutes
 

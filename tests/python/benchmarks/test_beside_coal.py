@@ -5,7 +5,7 @@ from __future__ import annotations
 import beside_coal
 import numpy as np
 import pytest
-from beside_coal import judge, make_rows, run_program, summarise
+from beside_coal import judge, make_rows, run_program, summarize
 
 
 def asked(microseconds: float, answers: tuple[int, ...] = (1, 0)) -> dict[str, object]:
@@ -14,7 +14,7 @@ def asked(microseconds: float, answers: tuple[int, ...] = (1, 0)) -> dict[str, o
 
 
 def test_the_median_is_over_poses_and_the_mean_over_a_pass():
-    figures = summarise(1e-6 * np.array([[1.0, 2.0, 9.0], [1.0, 2.0, 9.0], [100.0, 2.0, 9.0]]))
+    figures = summarize(1e-6 * np.array([[1.0, 2.0, 9.0], [1.0, 2.0, 9.0], [100.0, 2.0, 9.0]]))
     assert figures["median_us"] == pytest.approx(2.0)
     assert figures["mean_us"] == pytest.approx(4.0)
 

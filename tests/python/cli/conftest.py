@@ -47,7 +47,7 @@ def voxshell(capsys, monkeypatch):
 
 @pytest.fixture(scope="session")
 def cone_path(tmp_path_factory):
-    """A cone of 60 x 60 x 50 millimetres."""
+    """A cone of 60 x 60 x 50 millimeters."""
     path = tmp_path_factory.mktemp("mesh") / "cone.stl"
     trimesh.creation.cone(radius=30, height=50).export(path)
     return path

@@ -53,7 +53,7 @@ def test_drop_prints_a_table_and_writes_three_files(dropped):
 def test_page_plays_offline(dropped, play):
     _, out = dropped
     player = play(out / "index.html")
-    # The bodies are green, red, blue and amber; the stage is not coloured.
+    # The bodies are green, red, blue and amber; the stage is not colored.
     player.wait(lambda p: int(np.sum(np.ptp(p, axis=2) > 60)) > 100, "no body is seen")
     assert "cone dropped 0.5 m at 200 Hz" in player.page.inner_text("#voxshell-heading")
     assert player.complaints == []

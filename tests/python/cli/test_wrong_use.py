@@ -426,7 +426,7 @@ def test_wrong_scene_files(voxshell, tmp_path, monkeypatch, cone_path, text, lin
 
 def test_table_of_another_command_is_no_wrong_use(tmp_path):
     from voxshell_studies.cli.reproduce import OTHER_TABLES
-    from voxshell_studies.report.catalogue import EXPERIMENTS
+    from voxshell_studies.report.catalog import EXPERIMENTS
     from voxshell_studies.reproduction import plan_studies
 
     known = [*(each.name for each in EXPERIMENTS), *OTHER_TABLES]

@@ -53,7 +53,7 @@ CPP_HEADERS = """
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where readers are: with a part.stl of their own, in millimetres."""
+    """Where readers are: with a part.stl of their own, in millimeters."""
     monkeypatch.chdir(tmp_path)
     part = trimesh.creation.torus(30.0, 10.0)
     part.export(tmp_path / "part.stl")

@@ -31,7 +31,7 @@ def hold_ring_over_post(figures: dict[str, Any]) -> None:
 
 
 def hold_nut(figures: dict[str, Any]) -> None:
-    """Down the thread, with the play that the clearance leaves; no jam, no tunnelling."""
+    """Down the thread, with the play that the clearance leaves; no jam, no tunneling."""
     assert figures["turns"] >= 3.0
     assert figures["seconds"] < 1.6, "the motor alone would take 1.5 s"
     assert figures["down_mm"] == pytest.approx(3.0 * figures["pitch_mm"], abs=0.4)

@@ -39,7 +39,7 @@ def moebius_strip(parts: int = 60) -> np.ndarray:
 
 
 def fan_of_needles(count: int) -> np.ndarray:
-    """Triangles about one point, of a micrometre at their far ends."""
+    """Triangles about one point, of a micrometer at their far ends."""
     turns = np.arange(count) * 1e-6
     rim = np.stack([np.cos(turns), np.sin(turns), np.zeros(count)], 1)
     return np.stack([np.zeros((count, 3)), rim, np.roll(rim, -1, axis=0)], 1)

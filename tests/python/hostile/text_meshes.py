@@ -107,7 +107,7 @@ MATERIALS = {
         "noise.mtl",
         {"noise.mtl": "newmtl m\nmap_Kd noise.png\n", "noise.png": b"\x89PNG" + bytes(100)},
     ),
-    "colours of words": ("words.mtl", {"words.mtl": "newmtl m\nKd red green\nd\nNs x\n"}),
+    "colors of words": ("words.mtl", {"words.mtl": "newmtl m\nKd red green\nd\nNs x\n"}),
 }
 
 
@@ -120,7 +120,7 @@ def list_off() -> Iterator[tuple[str, Content, Wants]]:
     yield "other name", off(head="MESH"), "refused"
     yield "binary by its name", off(head="OFF BINARY"), "refused"
     yield "four dimensions", off(head="4OFF"), "refused"
-    yield "colours by its name alone", off(head="COFF"), "either"
+    yield "colors by its name alone", off(head="COFF"), "either"
     yield "counts on the first line", "OFF 4 4 0\n" + whole.split("\n", 2)[2], "either"
     yield "negative counts", off(counts="-4 -4 0"), "refused"
     yield "a negative count of faces", off(counts="4 -1 0"), "refused"
@@ -150,8 +150,8 @@ def list_off() -> Iterator[tuple[str, Content, Wants]]:
     yield "a face of a billion corners", whole.replace("3 0 3 2", "1000000000 0 3 2"), "refused"
     yield "a face of two corners", whole.replace("3 0 3 2", "2 0 3"), "either"
     yield "a face of 1001 corners", off(FAN, [range(1001)]), "refused"
-    yield "faces with colours", whole.replace("3 0 3 2", "3 0 3 2 255 0 0"), "loaded"
-    yield "faces with colours of words", whole.replace("3 0 3 2", "3 0 3 2 red"), "either"
+    yield "faces with colors", whole.replace("3 0 3 2", "3 0 3 2 255 0 0"), "loaded"
+    yield "faces with colors of words", whole.replace("3 0 3 2", "3 0 3 2 red"), "either"
     yield "UTF-16", whole.encode("utf-16"), "either"
     yield "a byte order mark", b"\xef\xbb\xbf" + whole.encode(), "either"
     yield "carriage returns and line feeds", whole.replace("\n", "\r\n"), "loaded"

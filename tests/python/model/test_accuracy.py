@@ -37,7 +37,7 @@ def test_sharp_is_what_has_a_convex_edge():
     assert ball.accuracy.curvature == pytest.approx(1.0, rel=0.25)
 
 
-def test_its_text_has_lengths_in_millimetres():
+def test_its_text_has_lengths_in_millimeters():
     accuracy = vx.Model.from_mesh(trimesh.creation.box(), resolution=10).accuracy
     assert repr(accuracy).startswith("Accuracy(median/99 %/max at 100,000 places: distance ")
     assert repr(accuracy).endswith("sharp)")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 SAGITTA = 1.5e-4
-"""Metres by which the ball's facets lie within its sphere, at most."""
+"""Meters by which the ball's facets lie within its sphere, at most."""
 
 
 def test_what_it_says_of_its_grid(cube: vx.Model):

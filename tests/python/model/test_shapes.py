@@ -86,7 +86,7 @@ def test_a_plane_keeps_its_normal_at_unit_length():
     for scale in (1.0, 1e-300, 1e300):
         plane = vx.Plane(normal=(0.0, 3.0 * scale, 4.0 * scale), offset=2.0)
         np.testing.assert_allclose(plane.normal, (0.0, 0.6, 0.8), rtol=1e-15)
-        assert plane.offset == 2.0  # metres along the unit normal, whatever was given
+        assert plane.offset == 2.0  # meters along the unit normal, whatever was given
     np.testing.assert_array_equal(vx.Plane().normal, (0, 0, 1))
     assert vx.Plane().offset == 0.0
 

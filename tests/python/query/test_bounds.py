@@ -56,7 +56,7 @@ def test_bounds_are_those_of_the_meshes():
     bounds = vx.contact_bounds(ball, slab)
     turned = vx.contact_bounds(slab, ball)
     assert (bounds.overlap, bounds.clearance) == (turned.overlap, turned.clearance)
-    # The icosphere's own vertices are on the ball, one of them below its centre.
+    # The icosphere's own vertices are on the ball, one of them below its center.
     low = 0.05 - ball.mesh.vertices[:, 2].min()
     assert 0.0 < bounds.clearance <= bounds.overlap < 2e-4
     assert vx.collide(ball, slab, moved(0.1, 0.2, low - bounds.overlap))

@@ -34,7 +34,7 @@ class Query:
 
 
 def random_pose(rng: np.random.Generator, reach: float) -> np.ndarray:
-    """Uniform in orientation (a normalised Gaussian quaternion), within `reach` of the origin."""
+    """Uniform in orientation (a normalized Gaussian quaternion), within `reach` of the origin."""
     w, x, y, z = (lambda q: q / np.linalg.norm(q))(rng.normal(size=4))
     pose = np.eye(4)
     pose[:3, :3] = [

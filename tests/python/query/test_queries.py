@@ -47,7 +47,7 @@ def test_a_turned_ground_pushes_along_its_normal(ball: vx.Model):
     np.testing.assert_allclose(contacts.points_b[:, 0], 0.5, atol=1e-7)
 
 
-def test_a_ball_in_a_sphere_is_pushed_away_from_its_centre(ball: vx.Model):
+def test_a_ball_in_a_sphere_is_pushed_away_from_its_center(ball: vx.Model):
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
     contacts = vx.contacts(ball, vx.Sphere(0.2), a_pose=moved(*(0.28 * direction)))
     radii = np.linalg.norm(contacts.points_a, axis=1)

@@ -19,7 +19,7 @@ def test_a_cube_in_the_ground_is_pushed_up_by_its_weight_of_springs(cube: vx.Mod
 
 
 def test_an_eccentric_push_turns_about_the_origin_of_a(cube: vx.Model):
-    # Half of the cube stands on a box that ends below its middle; its centre of pressure is at
+    # Half of the cube stands on a box that ends below its middle; its center of pressure is at
     # x = 0.25 of the cube, in whatever frame the world has.
     world = moved(5.0, -3.0, 2.0) @ turned((1, 2, 3), 0.8)
     wrench = vx.wrench(

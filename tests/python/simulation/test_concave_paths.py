@@ -13,7 +13,7 @@ from shapely.geometry import Point, box
 
 RATES = (1000, 200, 60)
 ALONG_Y = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-"""Turns z towards y."""
+"""Turns z toward y."""
 START = math.radians(30.0)
 
 
@@ -118,7 +118,7 @@ def test_elastic_balls_roll_in_a_trough_without_bouncing() -> None:
 
 @cache
 def bowl(radius: float, thickness: float) -> vx.Model:
-    """Half of a hollow sphere, open towards z, of facets of a degree."""
+    """Half of a hollow sphere, open toward z, of facets of a degree."""
     angles = np.radians(np.arange(0.0, 91.0))
     inner = radius * np.column_stack([np.sin(angles), -np.cos(angles)])
     outer = inner * (1.0 + thickness / radius)

@@ -7,7 +7,7 @@ import pytest
 import voxshell as vx
 from blows import INERTIA, SHAPES, SIDE, SPEED, add_cubes, blow
 
-HALF = 0.5 * SIDE  # metres
+HALF = 0.5 * SIDE  # meters
 BLOWS = 200
 CORNERS = HALF * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 

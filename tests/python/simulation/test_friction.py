@@ -54,7 +54,7 @@ def build_slab():
 
 
 def lay(name, ground, *, rate, heading=0.0, slope=0.0, **settings):
-    """A body that lies on a ground, in gravity that leans by ``slope`` towards ``heading``, radians.
+    """A body that lies on a ground, in gravity that leans by ``slope`` toward ``heading``, radians.
 
     Returns:
         World, body and the heading's unit vector.
@@ -70,7 +70,7 @@ def lay(name, ground, *, rate, heading=0.0, slope=0.0, **settings):
 
 
 def run_out(speed, rate):
-    """What a body moves that loses friction * g / rate of its speed a step, metres."""
+    """What a body moves that loses friction * g / rate of its speed a step, meters."""
     way = 0.0
     while speed > 0.0:
         speed -= FRICTION * GRAVITY / rate

@@ -42,7 +42,7 @@ def build_slab():
 
 
 def lay(name, ground, *, rate, slope=0.0, speed=0.0, turned=0.0):
-    """A body on its rim, its axis along y, in gravity that leans by ``slope`` towards x, radians.
+    """A body on its rim, its axis along y, in gravity that leans by ``slope`` toward x, radians.
 
     Returns:
         World, body and its moment of inertia, as a fraction of that of a thin hoop.

@@ -17,7 +17,7 @@ from voxshell_studies.scenes.gear import make_gear
 from voxshell_studies.scenes.solids import as_mesh
 
 RATES = (1000, 200, 60, 30)
-TILE = 0.4  # side of a tile, metres
+TILE = 0.4  # side of a tile, meters
 SMALL_TILE = 0.2
 SPEED = 1.0  # m/s
 
@@ -47,7 +47,7 @@ def at(x: float, y: float, z: float) -> np.ndarray:
 
 
 def push(world: vx.World, rate: int, name: str, heading: float = 0.0):
-    """A body that stands 0.12 m before the origin and is pushed towards it."""
+    """A body that stands 0.12 m before the origin and is pushed toward it."""
     ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
     body = world.add(
         model(name), mass=1.0, pose=at(*((0.0013, 0.0007, 0.05) - 0.12 * ahead)), friction=0.0
@@ -78,7 +78,7 @@ def test_bodies_do_not_notice_the_seams_of_four_tiles(rate, name, tiles):
 
 @pytest.mark.parametrize("tiles", TILES)
 @pytest.mark.parametrize("rate", RATES)
-def test_a_step_of_two_millimetres_stops_a_cube(rate, tiles):
+def test_a_step_of_two_millimeters_stops_a_cube(rate, tiles):
     world = vx.World(time_step=1 / rate)
     shape = TILES[tiles]()
     for x, top in ((-0.5, 0.0), (0.5, 0.002)):

@@ -74,7 +74,7 @@ def test_analytic_sphere_rests_on_a_model():
     world.add(ground, mass=0, pose=top("model"))
     body = world.add(vx.Sphere(0.1), pose=at(z=0.12))
     world.step(300)
-    # The ground's points are 1 cm apart: the sphere sinks between them by less than a millimetre.
+    # The ground's points are 1 cm apart: the sphere sinks between them by less than a millimeter.
     assert body.pose[2, 3] == pytest.approx(0.1, abs=1e-3)
 
 
@@ -109,8 +109,8 @@ def test_contacts_describe_a_resting_brick(brick):
     assert len(contacts) >= 4
     for contact in contacts:
         assert {int(contact["body_a"]), int(contact["body_b"])} == {ground.number, body.number}
-        towards_a = 1.0 if contact["body_a"] == body.number else -1.0
-        np.testing.assert_allclose(contact["normal"], (0, 0, towards_a), atol=1e-6)
+        toward_a = 1.0 if contact["body_a"] == body.number else -1.0
+        np.testing.assert_allclose(contact["normal"], (0, 0, toward_a), atol=1e-6)
         np.testing.assert_allclose(
             contact["point_a"] - contact["point_b"],
             -contact["depth"] * contact["normal"],
@@ -132,7 +132,7 @@ def test_origin_is_the_mesh_origin_wherever_the_mass_lies():
     body.angular_velocity = (0, 0, 3.0)
     center = (turned @ [*offset, 1])[:3]
     world.step(100)
-    # Free rotation moves the origin, but not the centre of mass.
+    # Free rotation moves the origin, but not the center of mass.
     np.testing.assert_allclose((body.pose @ [*offset, 1])[:3], center, atol=1e-6)
     assert np.linalg.norm(body.pose[:3, 3] - turned[:3, 3]) > 0.1
 
@@ -214,7 +214,7 @@ def test_comparison_shapes_fall_and_stay_on_a_plane(shape):
     world.add(vx.Plane(), mass=0)
     body = world.add(shape(), pose=at(z=0.15))
     world.step(300)
-    # Bullet's margin holds them off by a millimetre.
+    # Bullet's margin holds them off by a millimeter.
     assert body.pose[2, 3] == pytest.approx(0.1, abs=2e-3)
 
 

@@ -52,7 +52,7 @@ def test_a_ball_that_sinks_or_gains_fails_its_bars(results):
 
 
 @pytest.mark.parametrize("points", [60, 275, 2_700, 25_880])
-def test_every_ball_has_its_lowest_point_below_its_centre(points):
+def test_every_ball_has_its_lowest_point_below_its_center(points):
     model = build_ball(0.5, 0.005, points)
     turn = turn_pole_down(model)
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
@@ -70,18 +70,18 @@ def test_coarse_ball_on_its_pole_rebounds_truly(results):
     apex = rows["first apex, c 0.9, VPS, 275 points, published rule"]
     assert apex.here == pytest.approx(0.905, abs=0.001)
     assert apex.reproduced
-    assert rows["first contact beside the centre, VPS, 275 points, published rule"].here < 0.001
+    assert rows["first contact beside the center, VPS, 275 points, published rule"].here < 0.001
 
 
-def test_coarse_ball_that_lands_beside_its_centre_turns_and_the_report_says_so(results):
+def test_coarse_ball_that_lands_beside_its_center_turns_and_the_report_says_so(results):
     rows = {row.quantity: row for row in BALL.reduce(SETTINGS, results)}
     who = "VPS, 275 points as its mesh lies"
-    assert rows[f"first contact beside the centre, {who}, published rule"].here > 20.0
+    assert rows[f"first contact beside the center, {who}, published rule"].here > 20.0
     apex = rows[f"first apex, c 0.9, {who}, published rule"]
     assert apex.here < 0.9
     assert "turning has the energy of 2.6 mm more" in apex.note
     rebound = rows[f"rebound off c2 at most, {who}, block of voxels, 4 start heights"]
-    # Contacts of a World slide to below the centre, however coarse the shell.
+    # Contacts of a World slide to below the center, however coarse the shell.
     assert rebound.here < 0.01
     assert all(row.verdict == "for information" for name, row in rows.items() if who in name)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from voxshell.measuring.units import format_time
 from voxshell.model.model import Model
-from voxshell_studies.drop import REST_STEPS, run_drop, summarise
+from voxshell_studies.drop import REST_STEPS, run_drop, summarize
 from voxshell_studies.drop_report import draw_curves, write_results
 from voxshell_studies.scenes.bunny import find_bunny
 from voxshell_studies.scenes.drop import METHODS, DropSettings, build_shapes
@@ -73,18 +73,18 @@ def test_same_motion_on_every_run(shapes, runs):
 
 
 def test_summary_is_of_the_steps_it_names(runs):
-    summaries = summarise(runs)
+    summaries = summarize(runs)
     fine = summaries[0]
     assert fine.ratio == 1.0
     assert fine.median == np.median(runs[0].narrow_phase[250:600])
     assert fine.deepest == runs[0].depth.max()
-    assert summarise(runs[1:])[0].ratio != summarise(runs[1:])[0].ratio  # no fine run: NaN
+    assert summarize(runs[1:])[0].ratio != summarize(runs[1:])[0].ratio  # no fine run: NaN
 
 
 def test_results_are_complete_json(tmp_path, shapes, runs):
     path = tmp_path / "results.json"
     short = [replace(run, narrow_phase=run.narrow_phase[:10]) for run in runs]
-    write_results(path, "bunny", SETTINGS, shapes, short, summarise(short))
+    write_results(path, "bunny", SETTINGS, shapes, short, summarize(short))
     results = json.loads(path.read_text(), parse_constant=pytest.fail)
     assert results["settings"]["fine_points"] == 35_596
     assert results["environment"]["cpu"]

@@ -24,7 +24,7 @@ def solid(place, color):
 def test_a_body_is_where_the_camera_sees_it():
     pixels = paint(solid((0.2, 0.0, 0.1), (200, 0, 0)))
     rows, columns = np.nonzero(np.ptp(pixels, axis=2) > 50)
-    # A metre is 100 pixels; up is z, right is x.
+    # A meter is 100 pixels; up is z, right is x.
     np.testing.assert_allclose([columns.min(), columns.max()], [60, 79], atol=1.5)
     np.testing.assert_allclose([rows.min(), rows.max()], [20, 39], atol=1.5)
 

@@ -74,7 +74,7 @@ def ball_job():
 # ---- the cases -----------------------------------------------------------------------------------
 
 
-def test_bunny_is_scaled_about_its_centre_of_mass(body):
+def test_bunny_is_scaled_about_its_center_of_mass(body):
     mesh, matter = body
     solid = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     assert np.ptp(mesh.vertices, axis=0).max() == pytest.approx(0.3)

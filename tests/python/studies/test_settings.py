@@ -5,7 +5,7 @@ from typing import Literal
 
 import pytest
 from voxshell.errors import SettingsError
-from voxshell_studies.report.catalogue import EXPERIMENTS
+from voxshell_studies.report.catalog import EXPERIMENTS
 from voxshell_studies.reproduction import plan_studies
 from voxshell_studies.settings import override, read_settings_file
 

@@ -1,6 +1,6 @@
 """Meshes as they come: what is wrong with real ones, fetched when tests run and never kept in git.
 
-All are from the wheel of pybullet 3.2.7 on PyPI, folder pybullet_data. The wheel's licence is zlib;
+All are from the wheel of pybullet 3.2.7 on PyPI, folder pybullet_data. The wheel's license is zlib;
 beside the meshes it states these: franka_panda Apache 2.0 (its LICENSE.txt), kuka_iiwa BSD (its
 model.urdf), husky BSD (its husky.urdf).
 """

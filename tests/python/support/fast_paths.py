@@ -11,7 +11,7 @@ from parts import random_rotation
 from voxshell.query.pairs import Collidable
 
 MUCH = 2**40  # nodes of a budget that is never used up
-FAR_AWAY = 100.0  # metres, or as many reaches of larger bodies: all points are within
+FAR_AWAY = 100.0  # meters, or as many reaches of larger bodies: all points are within
 EVERY = 20  # one in so many poses also asks for the nearest point, however far
 
 
@@ -52,7 +52,7 @@ class Pair:
 
     @property
     def reach(self) -> float:
-        """Metres from the origin of either body to its farthest corner."""
+        """Meters from the origin of either body to its farthest corner."""
         bodies = [self.a, self.b] if isinstance(self.b, vx.Model) else [self.a]
         return max(float(np.linalg.norm(np.abs(body.bounds).max(axis=0))) for body in bodies)
 

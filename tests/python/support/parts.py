@@ -1,4 +1,4 @@
-"""Bodies in pairs, and the poses in which those that fit one another do. Metres."""
+"""Bodies in pairs, and the poses in which those that fit one another do. Meters."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def turned_about_z(
 
 
 def random_rotation(rng: np.random.Generator) -> np.ndarray:
-    """Uniform: a normalised Gaussian quaternion."""
+    """Uniform: a normalized Gaussian quaternion."""
     w, x, y, z = (lambda q: q / np.linalg.norm(q))(rng.normal(size=4))
     return np.array(
         [

@@ -76,7 +76,7 @@ class Player:
         self.page.on("websocket", lambda websocket: self.requests.append(websocket.url))
         self.page.goto(path.as_uri())
         self.page.wait_for_selector("canvas[data-engine]")
-        # The heading has colours of its own; and without a graphics card the player says so, in a
+        # The heading has colors of its own; and without a graphics card the player says so, in a
         # notice over the picture.
         self.page.add_style_tag(
             content="#voxshell-heading { opacity: 0; } .mantine-Notifications-root { display: none; }"
@@ -100,7 +100,7 @@ class Player:
                 return picture
             if time.monotonic() > end:
                 pytest.fail(
-                    f"after {PATIENCE:g} s: {what}; mean colour "
+                    f"after {PATIENCE:g} s: {what}; mean color "
                     f"{picture.mean(axis=(0, 1)).round(1)}; {self.complaints}"
                 )
             time.sleep(0.2)

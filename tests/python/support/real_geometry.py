@@ -19,7 +19,7 @@ from mesh_judges import MeshPair
 from parts import MM, Part, random_rotation
 
 FULLY_JUDGED = 5  # one in so many poses is judged even where the answer needs no proof
-ROUNDING = 1e-6  # metres; coordinates here are below a metre
+ROUNDING = 1e-6  # meters; coordinates here are below a meter
 NAMES = ("bunny-bunny", "bunny-box", "nut-bolt", "pinion-gear", "bolt-box")
 
 

@@ -13,7 +13,7 @@ FRAMES, TIME_STEP = 61, 1 / 60
 
 
 def turn_and_fall() -> Recording:
-    """A ball that moves a metre along x and turns one and a half times about z, two alike beside it, and a ground."""
+    """A ball that moves a meter along x and turns one and a half times about z, two alike beside it, and a ground."""
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
     poses = np.array(
         [rotation_matrix(3.0 * math.pi * i / (FRAMES - 1), (0, 0, 1)) for i in range(FRAMES)]

@@ -1,4 +1,4 @@
-"""Closed bodies with known shapes, made with manifold3d. Millimetres are written as 1e-3."""
+"""Closed bodies with known shapes, made with manifold3d. Millimeters are written as 1e-3."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def as_arrays(solid: m3.Manifold) -> tuple[np.ndarray, np.ndarray]:
 
 
 def simplified_bunny(path: Path, length: float, tolerance: float) -> m3.Manifold:
-    """The Stanford bunny, `length` along its longest side, about the centre of its bounds."""
+    """The Stanford bunny, `length` along its longest side, about the center of its bounds."""
     mesh = trimesh.load_mesh(path, process=False)
     mesh.merge_vertices()
     mesh.apply_translation(-mesh.bounds.mean(axis=0))

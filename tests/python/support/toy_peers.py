@@ -44,7 +44,7 @@ class Toy:
 
 
 class Query:
-    """Of seven contacts, the deepest a millimetre too deep; a question takes two milliseconds."""
+    """Of seven contacts, the deepest a millimeter too deep; a question takes two milliseconds."""
 
     def __init__(self, variant, case):
         self._variant = variant

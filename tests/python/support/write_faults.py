@@ -127,7 +127,7 @@ def list_writers() -> dict[str, Writer]:
     from voxshell_studies.peers.comparison import Comparison
     from voxshell_studies.peers.protocol import PeerResult
     from voxshell_studies.report import paint
-    from voxshell_studies.report.catalogue import EXPERIMENTS
+    from voxshell_studies.report.catalog import EXPERIMENTS
     from voxshell_studies.report.figures import open_figure
     from voxshell_studies.report.page import write_report
     from voxshell_studies.reproduction import Finding, conclude, plan_studies

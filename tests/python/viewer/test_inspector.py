@@ -103,7 +103,7 @@ class Visit:
         field.blur()
 
     def readout(self) -> tuple[int, float]:
-        """Contacts, and signed distance in millimetres."""
+        """Contacts, and signed distance in millimeters."""
         text = self.page.get_by_text(re.compile(r"\d contacts, ")).inner_text()
         count, value, side = re.fullmatch(r"([\d,]+) contacts, ([\d.]+) mm (\w+)", text).groups()
         return int(count.replace(",", "")), float(value) * (-1.0 if side == "deep" else 1.0)
@@ -120,7 +120,7 @@ def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]
 
 
 def colored(picture: np.ndarray, red: int, green: int, blue: int) -> np.ndarray:
-    """Whether each pixel is about of a colour."""
+    """Whether each pixel is about of a color."""
     return np.abs(picture - (red, green, blue)).max(axis=2) < 30
 
 

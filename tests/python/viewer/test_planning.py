@@ -220,7 +220,7 @@ class TestPins:
         assert mesh.volume > 0.0
         np.testing.assert_allclose(mesh.bounds[:, 2], [-0.5, 3.5])
 
-    def test_colours_run_with_depth_and_stop_at_the_ends(self):
+    def test_colors_run_with_depth_and_stop_at_the_ends(self):
         depths = np.array([-0.01, 0.0, 0.002, 0.5])
         contacts = ContactTrack([0, 4], np.zeros((4, 3)), np.tile([0, 0, 1.0], (4, 1)), depths)
         pins = build_pins(contacts, scale=1.0, deepest=0.002, limit=10, grain=2.0**-13)

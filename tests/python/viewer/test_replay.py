@@ -62,13 +62,13 @@ def replay(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def blue(picture: np.ndarray) -> int:
-    """Pixels of the balls' colour."""
+    """Pixels of the balls' color."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return int(np.sum((blue > red + 40) & (blue > green + 20)))
 
 
 def warm(picture: np.ndarray) -> int:
-    """Pixels of the contacts' colours."""
+    """Pixels of the contacts' colors."""
     red, _, blue = np.moveaxis(picture, 2, 0)
     return int(np.sum(red > blue + 60))
 

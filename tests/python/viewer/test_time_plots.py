@@ -46,7 +46,7 @@ def test_lines_tell_how_many_contacts_and_how_deep_when():
     assert 'data-seconds="1.66667"' in page
 
 
-def test_each_lane_has_a_line_of_its_colour_and_a_name():
+def test_each_lane_has_a_line_of_its_color_and_a_name():
     page = draw(record({3: [0.001]}), record({5: [0.002]}), labels=("a < b\nmore", "c"))
     assert len(read_lines(page)) == 4
     names = re.findall(r'<span style="color: (#\w+)">([^<]*)</span>', page)

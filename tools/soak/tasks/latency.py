@@ -14,7 +14,7 @@ from soak.task import CORE, Check, Outcome, Task, Totals, UnavailableError
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / "build/release/tests/cpp/soak/voxshell_query_latency"
 BUNNY = Path("/usr/share/glmark2/models/bunny.obj")
-LENGTH, VOXEL, POINTS = 0.2115, 0.002, 35_596  # metres, metres, those of the thesis' fine bunny
+LENGTH, VOXEL, POINTS = 0.2115, 0.002, 35_596  # meters, meters, those of the thesis' fine bunny
 QUERIES = 100_000  # a case
 BUCKETS_AN_OCTAVE = 16
 

@@ -18,7 +18,7 @@ import voxshell as vx
 
 from soak.task import WORLDS, Check, Outcome, Task, Totals
 
-RADIUS = 0.1  # metres: no body reaches farther from its origin
+RADIUS = 0.1  # meters: no body reaches farther from its origin
 SPACING = 0.25  # between origins at the start, so that no two bodies overlap
 GAIN = 0.25  # of what a fall of a meter gives and the motion at the start
 BLOCKS = 10  # of steps, after each of which the world is looked at

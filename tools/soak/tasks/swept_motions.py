@@ -17,10 +17,10 @@ def motions_of(pair: fast_paths.Pair, rng: np.random.Generator) -> tuple[np.ndar
     """b_from_a where motions begin and end: some of them stop before they touch, some go through."""
     poses = fast_paths.far_touching_or_deep(pair, POSES, rng)
     starts = np.repeat(poses[0::3], 2, axis=0)
-    towards = np.stack([poses[1::3], poses[2::3]], axis=1).reshape(-1, 4, 4)
+    toward = np.stack([poses[1::3], poses[2::3]], axis=1).reshape(-1, 4, 4)
     ends = [
         vx.interpolate_pose(start, end, rng.uniform(0.2, 2.0))
-        for start, end in zip(starts, towards, strict=True)
+        for start, end in zip(starts, toward, strict=True)
     ]
     return starts, np.array(ends)
 

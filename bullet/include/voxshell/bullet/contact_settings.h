@@ -62,7 +62,7 @@ struct ContactSettings {
   bool rolling_at_rest = true;
 
   /// Whether contacts of round bodies that move along concave surfaces tell the solver how fast
-  /// these turn towards them. Only CoulombSolver listens: with it, balls keep their speed in bowls
+  /// these turn toward them. Only CoulombSolver listens: with it, balls keep their speed in bowls
   /// and bends (docs/decisions/0061-contacts-turn-within-a-step.md).
   bool solver_turns_contacts = false;
 

@@ -36,7 +36,7 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
   const Model& model() const { return *model_; }
   const Pose& body_from_model() const { return body_from_model_; }
   /// Center of a ball around the mesh, in the model's frame, meters.
-  const Vec3& ball_centre() const { return centre_; }
+  const Vec3& ball_center() const { return center_; }
   double ball_radius() const { return radius_; }
 
   void getAabb(const btTransform& world_from_body, btVector3& lower, btVector3& upper)
@@ -61,7 +61,7 @@ ATTRIBUTE_ALIGNED16(class) ModelShape : public btConcaveShape {
 
   std::shared_ptr<const Model> model_;
   Pose body_from_model_;
-  Vec3 centre_;  ///< see ball_centre()
+  Vec3 center_;  ///< see ball_center()
   double radius_ = 0.0;
   btVector3 unit_scaling_{1, 1, 1};
   mutable std::once_flag triangles_built_;

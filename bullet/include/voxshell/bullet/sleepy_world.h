@@ -47,9 +47,9 @@ class SleepyWorld : public World {
   bool moves(const btRigidBody& body) {
     const btTransform& here = body.getWorldTransform();
     const auto [place, is_new] = places_.try_emplace(&body, here);
-    btVector3 centre;
+    btVector3 center;
     btScalar radius = 0;
-    body.getCollisionShape()->getBoundingSphere(centre, radius);
+    body.getCollisionShape()->getBoundingSphere(center, radius);
     if (is_new || !has_moved(place->second, here, radius)) return is_new;
     place->second = here;
     return true;

@@ -8,7 +8,7 @@
 
 namespace voxshell::bullet::test_support {
 
-inline constexpr Vec3 kBrickHalf{0.1, 0.05, 0.03};  ///< metres
+inline constexpr Vec3 kBrickHalf{0.1, 0.05, 0.03};  ///< meters
 
 /// By tolerance, with edge segments.
 inline std::shared_ptr<const Model> brick_model() {

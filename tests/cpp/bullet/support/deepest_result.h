@@ -6,7 +6,7 @@
 
 namespace voxshell::bullet::test_support {
 
-/// The greatest depth that a contact test reports, metres; -1 where there is no contact.
+/// The greatest depth that a contact test reports, meters; -1 where there is no contact.
 struct DeepestResult : btCollisionWorld::ContactResultCallback {
   btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
                            const btCollisionObjectWrapper*, int, int) override {

@@ -27,7 +27,7 @@ inline double turn_of(const btRigidBody& body) {
   return static_cast<double>(body.getAngularVelocity().length());
 }
 
-/// The deepest penetration among the world's contact points, metres; 0 without any.
+/// The deepest penetration among the world's contact points, meters; 0 without any.
 template <class World>
 double deepest_of(World& world) {
   double deepest = 0.0;
@@ -37,7 +37,7 @@ double deepest_of(World& world) {
   return deepest;
 }
 
-/// A body whose frame lies at the model's centre of mass, along its principal axes.
+/// A body whose frame lies at the model's center of mass, along its principal axes.
 template <class World>
 btRigidBody& add_at_principal_frame(World& world, const std::shared_ptr<const Model>& model,
                                     double mass, const Pose& world_from_body) {
@@ -63,7 +63,7 @@ void expect_true_landing(World& world, const Body& body, int steps) {
 }
 
 /// The least height of a body in so many steps at 60 Hz, as long as it is over a ground of which
-/// half a side is `edge`. Metres.
+/// half a side is `edge`. Meters.
 template <class World, class Body>
 double lowest_over(World& world, const Body& body, int steps, double edge) {
   double lowest = std::numeric_limits<double>::infinity();
@@ -82,7 +82,7 @@ inline constexpr double kCalm = kIsDouble ? 0.02 : 0.4;
 /// How a body lies, over 2 s.
 struct Lying {
   double fastest_turn = 0.0;  ///< rad/s
-  double drift = 0.0;         ///< metres
+  double drift = 0.0;         ///< meters
 
   bool is_calm(double calm = kCalm) const { return fastest_turn < calm && drift < 1e-3; }
 };

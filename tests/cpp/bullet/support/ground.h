@@ -5,7 +5,7 @@
 
 namespace voxshell::bullet::test_support {
 
-/// Metres: bodies that roll stay on it.
+/// Meters: bodies that roll stay on it.
 inline constexpr Vec3 kGroundHalf{1.0, 1.0, 0.05};
 
 /// What bodies fall on: its top is at z = 0.

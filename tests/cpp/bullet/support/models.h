@@ -27,7 +27,7 @@ inline std::shared_ptr<const Model> build_by_tolerance(const Vec3& half_of_box) 
   return build_by_tolerance(voxshell::test_support::make_box(half_of_box));
 }
 
-inline constexpr double kCubeHalf = 0.1;  ///< metres
+inline constexpr double kCubeHalf = 0.1;  ///< meters
 inline constexpr double kBallRadius = 0.1;
 
 inline std::shared_ptr<const Model> cube_model() {

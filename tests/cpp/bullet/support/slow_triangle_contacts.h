@@ -92,17 +92,17 @@ class SlowTriangleContacts : private btTriangleCallback {
 
   void sample(const Triangle3f& t, int splits) {
     const GridField& field = model_->grid();
-    const Vec3f centre = middle(t);
+    const Vec3f center = middle(t);
     const float radius =
-        std::sqrt(std::max({squared_length(t.a - centre), squared_length(t.b - centre),
-                            squared_length(t.c - centre)}));
-    const float bound = field.lower_bound(centre, radius);
+        std::sqrt(std::max({squared_length(t.a - center), squared_length(t.b - center),
+                            squared_length(t.c - center)}));
+    const float bound = field.lower_bound(center, radius);
     if (!(bound <= margin_)) return;
     const std::array<float, 3> edges{squared_length(t.b - t.a), squared_length(t.c - t.b),
                                      squared_length(t.a - t.c)};
     const auto longest = std::max_element(edges.begin(), edges.end());
     const float spacing = std::max(TriangleContacts::sample_spacing(*model_), 0.5f * bound);
-    if (*longest <= spacing * spacing || splits == 0) return keep(t, centre, bound);
+    if (*longest <= spacing * spacing || splits == 0) return keep(t, center, bound);
     if (*longest < 4.0f * *std::min_element(edges.begin(), edges.end())) {
       for (const Triangle3f& part : quarters(t)) sample(part, splits - 1);
       return;
@@ -117,12 +117,12 @@ class SlowTriangleContacts : private btTriangleCallback {
     sample({halfway, to, opposite}, splits - 1);
   }
 
-  void keep(const Triangle3f& t, const Vec3f& centre, float bound) {
+  void keep(const Triangle3f& t, const Vec3f& center, float bound) {
     ++sample_count;
-    const std::uint32_t cell = cell_of(centre);
+    const std::uint32_t cell = cell_of(center);
     float& least = least_.try_emplace(cell, margin_).first->second;
     if (bound > least) return;
-    const float distance = model_->grid().distance(centre);
+    const float distance = model_->grid().distance(center);
     least = std::min(least, distance);
     samples_[cell].push_back({distance, bound, triangles_.size() - 1, t});
   }

@@ -22,7 +22,7 @@ struct TwoBodies {
     return describe_step(pair, settings, time_step, 0.0);
   }
 
-  /// The points of the pair's shell within a margin of its field, metres.
+  /// The points of the pair's shell within a margin of its field, meters.
   std::vector<Contact> near(double margin) const {
     QueryScratch scratch;
     const auto found = find_contacts(pair.field(), pair.shell(), pair.field_from_shell(),

@@ -68,7 +68,7 @@ TEST(Bounds, GrowAroundPoints) {
   bounds.extend(Vec3{-3, 6, -1});
   EXPECT_EQ(bounds.lower, (Vec3{-3, 5, -2}));
   EXPECT_EQ(bounds.upper, (Vec3{1, 6, -1}));
-  EXPECT_EQ(bounds.centre(), (Vec3{-1, 5.5, -1.5}));
+  EXPECT_EQ(bounds.center(), (Vec3{-1, 5.5, -1.5}));
   EXPECT_EQ(bounds.longest_axis(), 0);
 
   Bounds other;

@@ -81,7 +81,7 @@ TEST(PlaneField, BoundsAndGradientsHold) {
   expect_bounds_and_gradients_hold(PlaneField{Random(22).direction(), 0.3}, 1.0);
 }
 
-TEST(SphereField, IsTheDistanceToTheCentreLessTheRadius) {
+TEST(SphereField, IsTheDistanceToTheCenterLessTheRadius) {
   const SphereField ball{2.0};
   EXPECT_EQ(ball.distance({0, 0, 0}), -2.0f);
   EXPECT_EQ(ball.distance({0, 3, 4}), 3.0f);
@@ -207,7 +207,7 @@ TEST(ConeField, IsTheDistanceToBaseSlantRimAndApex) {
   EXPECT_NEAR(hat.distance({1.5f + 0.8f * 2, 0, 0.6f * 2}), 2.0f, 1e-6f);
   EXPECT_EQ(hat.distance({0, 0, -1.75f}), -0.25f);
   EXPECT_NEAR(hat.distance({0, 0, 1}), -0.6f, 1e-6f);
-  EXPECT_NEAR(hat.distance({0, 0, -0.5f}), -1.5f, 1e-6f);  // the centre of the inscribed ball
+  EXPECT_NEAR(hat.distance({0, 0, -0.5f}), -1.5f, 1e-6f);  // the center of the inscribed ball
   EXPECT_EQ(hat.reach(), std::sqrt(13.0));
 }
 

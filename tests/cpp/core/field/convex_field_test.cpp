@@ -150,7 +150,7 @@ TEST(ConvexField, RefusesWhatIsNotConvexAndSaysByHowMuch) {
                ErrorCode::kInvalidMesh, "stands 5 m out of the plane");
   expect_error(together(make_box({1, 1, 1}), make_box({0.5, 0.5, 0.5})), ErrorCode::kInvalidMesh,
                "stands 0.5 m out of the plane");
-  // A dent of a tenth of a millimetre in a body of a metre.
+  // A dent of a tenth of a millimeter in a body of a meter.
   Soup dented = refined(make_box({0.5, 0.5, 0.5}));
   for (Vec3& v : dented.vertices) {
     if (v == Vec3{0, 0, 0.5}) v.z -= 1e-4;

@@ -243,17 +243,17 @@ TEST(ExactCells, KeepTheLowerBoundOfBalls) {
     const GridField field = build_exact(mesh, voxel_size, 0.02 * voxel_size);
     const Bounds bounds = grown(mesh.bounds(), voxel_size);
     for (int i = 0; i < 10'000; ++i) {
-      const Vec3 centre = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
+      const Vec3 center = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
       const double radius = voxel_size * std::pow(10.0, random.uniform(-3, 0.5));
-      const float bound = field.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius));
-      Vec3 p = centre;
+      const float bound = field.lower_bound(static_cast<Vec3f>(center), static_cast<float>(radius));
+      Vec3 p = center;
       for (int step = 0; step < 16; ++step) {
         ASSERT_GE(field.distance(static_cast<Vec3f>(p)), bound - 2e-6f) << name;
         const Vec3 slope = step % 4 == 3 ? random.direction()
                                          : static_cast<Vec3>(field.gradient(static_cast<Vec3f>(p)));
         p = p - (radius / (1 + step / 3)) * slope;
-        const double far = length(p - centre);
-        if (far > radius) p = centre + (radius * (1.0 - 1e-6) / far) * (p - centre);
+        const double far = length(p - center);
+        if (far > radius) p = center + (radius * (1.0 - 1e-6) / far) * (p - center);
       }
     }
   }
@@ -262,12 +262,12 @@ TEST(ExactCells, KeepTheLowerBoundOfBalls) {
 /// What kernels leave out places by, of eight balls about a place. Returns how many bounds are
 /// larger than those of lower_bound().
 template <class View>
-int expect_tight_bounds(const GridField& field, const View& view, const Vec3& centre, double radius,
+int expect_tight_bounds(const GridField& field, const View& view, const Vec3& center, double radius,
                         Random& random) {
   using namespace simd::portable;
   Triple<F8> places{};
   for (int lane = 0; lane < kLanes; ++lane) {
-    const auto p = static_cast<Vec3f>(centre + (lane % 4) * radius * random.direction());
+    const auto p = static_cast<Vec3f>(center + (lane % 4) * radius * random.direction());
     set_lane(places, lane, {p.x, p.y, p.z});
   }
   const auto radius_f = static_cast<float>(radius);
@@ -295,10 +295,10 @@ TEST(ExactCells, AndSamplesKeepTheTightBoundsOfBalls) {
     const GridField sampled = build(mesh, voxel_size);
     const Bounds bounds = grown(mesh.bounds(), voxel_size);
     for (int i = 0; i < 2000; ++i) {
-      const Vec3 centre = point_in(random, bounds);
+      const Vec3 center = point_in(random, bounds);
       const double radius = voxel_size * std::pow(10.0, random.uniform(-3, -0.3));
-      larger += expect_tight_bounds(exact, exact.exact_view(), centre, radius, random);
-      larger += expect_tight_bounds(sampled, sampled.view(), centre, radius, random);
+      larger += expect_tight_bounds(exact, exact.exact_view(), center, radius, random);
+      larger += expect_tight_bounds(sampled, sampled.view(), center, radius, random);
       if (testing::Test::HasFailure()) {
         ADD_FAILURE() << name;
         return;

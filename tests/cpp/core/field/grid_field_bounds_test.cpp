@@ -51,36 +51,36 @@ TEST(GridFieldBounds, ValuesDifferByNoMoreThanTheirNodesCan) {
 }
 
 /// The smallest value that can be found in a ball: at random, downhill, and at the grid's nodes.
-float find_smallest(const GridField& field, const Vec3& centre, double radius, Random& random) {
-  float smallest = field.distance(static_cast<Vec3f>(centre));
+float find_smallest(const GridField& field, const Vec3& center, double radius, Random& random) {
+  float smallest = field.distance(static_cast<Vec3f>(center));
   const auto try_point = [&](const Vec3& p) {
-    const Vec3 away = p - centre;
+    const Vec3 away = p - center;
     const double far = length(away);
     // Stay within the ball also after rounding.
-    const Vec3 clamped = far > radius ? centre + (radius * (1.0 - 1e-7) / far) * away : p;
+    const Vec3 clamped = far > radius ? center + (radius * (1.0 - 1e-7) / far) * away : p;
     smallest = std::min(smallest, field.distance(static_cast<Vec3f>(clamped)));
     return clamped;
   };
   for (int i = 0; i < 10; ++i) {
-    try_point(centre + radius * random.direction());
-    try_point(centre + (radius * random.unit()) * random.direction());
+    try_point(center + radius * random.direction());
+    try_point(center + (radius * random.unit()) * random.direction());
   }
   for (int start = 0; start < 3; ++start) {
-    Vec3 p = start == 0 ? centre : try_point(centre + radius * random.direction());
+    Vec3 p = start == 0 ? center : try_point(center + radius * random.direction());
     for (int i = 0; i < 12; ++i) {
       const Vec3f slope = field.gradient(static_cast<Vec3f>(p));
       p = try_point(p - (radius / (1 + i / 3)) * static_cast<Vec3>(slope));
     }
   }
   const double h = field.voxel_size();
-  Vec3 low = centre - Vec3{radius, radius, radius} - field.origin();
+  Vec3 low = center - Vec3{radius, radius, radius} - field.origin();
   for (int i = 0; i < 20; ++i) {
     Vec3 node;
     for (int axis = 0; axis < 3; ++axis) {
       const double cells = std::ceil(low[axis] / h) + std::floor(random.unit() * 2.0 * radius / h);
       node[axis] = field.origin()[axis] + cells * h;
     }
-    if (length(node - centre) < radius) try_point(node);
+    if (length(node - center) < radius) try_point(node);
   }
   return smallest;
 }
@@ -96,25 +96,25 @@ TEST(GridFieldBounds, LowerBoundHoldsInAcrossAndOutsideTheGrid) {
     int deep = 0;
     int close = 0;
     for (int i = 0; i < 4000; ++i) {
-      const Vec3 centre = point_in(random, grown(bounds, i % 4 == 0 ? 1.0 : 0.0));
+      const Vec3 center = point_in(random, grown(bounds, i % 4 == 0 ? 1.0 : 0.0));
       const double radius = std::pow(10.0, random.uniform(-3, 0));
-      const auto centre_f = static_cast<Vec3f>(centre);
-      const float bound = field.lower_bound(centre_f, static_cast<float>(radius));
-      const float smallest = find_smallest(field, static_cast<Vec3>(centre_f), radius, random);
-      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << centre.x << " " << centre.y << " "
-                                         << centre.z << ", radius " << radius;
-      const bool centre_in = is_in(bounds, centre_f);
+      const auto center_f = static_cast<Vec3f>(center);
+      const float bound = field.lower_bound(center_f, static_cast<float>(radius));
+      const float smallest = find_smallest(field, static_cast<Vec3>(center_f), radius, random);
+      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << center.x << " " << center.y << " "
+                                         << center.z << ", radius " << radius;
+      const bool center_in = is_in(bounds, center_f);
       const bool ball_in = is_in(Bounds{bounds.lower + Vec3{radius, radius, radius},
                                         bounds.upper - Vec3{radius, radius, radius}},
-                                 centre_f);
+                                 center_f);
       in_the_grid += ball_in;
-      across += centre_in && !ball_in;
-      outside += !centre_in;
+      across += center_in && !ball_in;
+      outside += !center_in;
       deep += smallest < -static_cast<float>(voxel_size);
       // A useless bound holds, too.
-      const auto value = static_cast<double>(field.distance(centre_f));
-      if (centre_in && std::abs(value) < 2.0 * voxel_size && radius < voxel_size &&
-          cell_size_of(field, brick_at(field, static_cast<Vec3>(centre_f))) == 1.0) {
+      const auto value = static_cast<double>(field.distance(center_f));
+      if (center_in && std::abs(value) < 2.0 * voxel_size && radius < voxel_size &&
+          cell_size_of(field, brick_at(field, static_cast<Vec3>(center_f))) == 1.0) {
         ++close;
         const double spread = std::sqrt(radius * radius + 0.75 * voxel_size * voxel_size);
         const double expected = value - spread - 2.0 * field.data().node_error;
@@ -140,12 +140,12 @@ TEST(GridFieldBounds, LowerBoundHoldsForBallsThatAreSmallBesideAVoxel) {
     const Bounds bounds = grown(mesh.bounds(), voxel_size);
     double closest = 1.0;  // voxels
     for (int i = 0; i < 20'000; ++i) {
-      const Vec3 centre = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
+      const Vec3 center = static_cast<Vec3>(static_cast<Vec3f>(point_in(random, bounds)));
       const double radius = voxel_size * std::pow(10.0, random.uniform(-3, -0.5));
-      const float bound = field.lower_bound(static_cast<Vec3f>(centre), static_cast<float>(radius));
-      const float smallest = find_smallest(field, centre, radius, random);
-      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << centre.x << " " << centre.y << " "
-                                         << centre.z << ", radius " << radius;
+      const float bound = field.lower_bound(static_cast<Vec3f>(center), static_cast<float>(radius));
+      const float smallest = find_smallest(field, center, radius, random);
+      ASSERT_GE(smallest, bound - 2e-6f) << name << " at " << center.x << " " << center.y << " "
+                                         << center.z << ", radius " << radius;
       closest = std::min(closest, static_cast<double>(smallest - bound) / voxel_size);
     }
     EXPECT_LT(closest, 0.01) << name;

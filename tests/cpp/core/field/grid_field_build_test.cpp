@@ -222,7 +222,7 @@ TEST(GridFieldBuild, StopsWhereProgressSaysSo) {
         ++calls;
         return false;
       });
-  expect_error(stopped, ErrorCode::kCancelled, "stopped");
+  expect_error(stopped, ErrorCode::kCanceled, "stopped");
   EXPECT_EQ(calls, 1);
 }
 

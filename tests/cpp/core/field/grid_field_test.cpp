@@ -248,7 +248,7 @@ TEST(GridField, IsContinuousAcrossCellsAndTheGridsBorder) {
         p[axis] = field.origin()[axis] + cell * voxel_size;
       }
       const auto here = static_cast<Vec3f>(p);
-      // Neighbours that hold the same nodes agree on them.
+      // Neighbors that hold the same nodes agree on them.
       const float allowed =
           static_cast<float>(is_fine_around(field, p) ? 2.0 * field.data().node_error
                                                       : 16.0 * field.interpolation_error());
@@ -410,22 +410,22 @@ TEST(GridField, EightAtOnceAreAsOneByOne) {
       for (const simd::GridSampling<simd::GridView>* kernels :
            {&simd::grid_sampling<simd::GridView>(), &simd::kPortableGridSampling}) {
         EightFloats distances;
-        EightFloats of_centres;
+        EightFloats of_centers;
         EightFloats bounded;
         const auto* rows = reinterpret_cast<const float (*)[8]>(points.coordinates.data());
         kernels->measure_distances(field.view(), rows, distances.data());
-        kernels->bound_balls(field.view(), rows, radii.data(), of_centres.data(), bounded.data());
+        kernels->bound_balls(field.view(), rows, radii.data(), of_centers.data(), bounded.data());
         for (std::size_t i = 0; i < radii.size(); ++i) {
           const Vec3f p{points.coordinates[0][i], points.coordinates[1][i],
                         points.coordinates[2][i]};
           const float distance = field.distance(p);
           const float bound = field.lower_bound(p, radii[i]);
           if (std::isnan(distance)) {
-            EXPECT_TRUE(std::isnan(distances[i]) && std::isnan(of_centres[i]));
+            EXPECT_TRUE(std::isnan(distances[i]) && std::isnan(of_centers[i]));
             continue;
           }
           EXPECT_EQ(distances[i], distance) << name;
-          EXPECT_EQ(of_centres[i], distance) << name;
+          EXPECT_EQ(of_centers[i], distance) << name;
           EXPECT_EQ(bounded[i], bound) << name;
           outside += is_outside(grid_bounds(field), static_cast<Vec3>(p));
         }

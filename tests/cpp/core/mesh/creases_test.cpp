@@ -35,7 +35,7 @@ TEST(Creases, OfABoxAreItsTwelveEdgesAndEightCorners) {
     EXPECT_NEAR(sum_lengths(mesh, creases), 4 * 1.6, 1e-9);
     for (const BentEdge& edge : creases.sharp_edges) EXPECT_NEAR(edge.bend, 1.0, 1e-9);
     for (const Corner& corner : creases.corners) {
-      EXPECT_GT(dot(corner.normal, mesh.vertices()[corner.vertex] - mesh.bounds().centre()), 0.0);
+      EXPECT_GT(dot(corner.normal, mesh.vertices()[corner.vertex] - mesh.bounds().center()), 0.0);
     }
     for (const double spacing : creases.spacings) EXPECT_GT(spacing, 1e3);
   }
@@ -139,10 +139,10 @@ TEST(Creases, AreThoseOfTheShapeHoweverItsFacesAreTriangulated) {
   for (int pass = 0; pass < 3; ++pass) {
     std::vector<Triangle> finer;
     for (const Triangle& t : soup.triangles) {
-      const auto centre = static_cast<std::uint32_t>(soup.vertices.size());
+      const auto center = static_cast<std::uint32_t>(soup.vertices.size());
       soup.vertices.push_back((soup.vertices[t[0]] + soup.vertices[t[1]] + soup.vertices[t[2]]) /
                               3.0);
-      for (std::size_t i = 0; i < 3; ++i) finer.push_back({t[i], t[(i + 1) % 3], centre});
+      for (std::size_t i = 0; i < 3; ++i) finer.push_back({t[i], t[(i + 1) % 3], center});
     }
     soup.triangles = finer;
   }

@@ -48,10 +48,10 @@ TEST(DistanceTree, TakesTrianglesThatAreAsSmallAsAPoint) {
   const DistanceTree tree(mesh, origin, 0.5, 1);
   DistanceTree::Scratch scratch;
   std::vector<float> distances(9 * 9 * 9);
-  const Vec3 centre{10.0, 10.0, 10.0};
-  const float at_centre = tree.find_nearest(centre, 0).distance;
-  ASSERT_NEAR(at_centre, 0.0f, kTolerance);
-  tree.measure_brick(centre, at_centre, scratch, distances);
+  const Vec3 center{10.0, 10.0, 10.0};
+  const float at_center = tree.find_nearest(center, 0).distance;
+  ASSERT_NEAR(at_center, 0.0f, kTolerance);
+  tree.measure_brick(center, at_center, scratch, distances);
   for (const float d : distances) ASSERT_LE(d, 4.0f * std::sqrt(3.0f) + 1e-3f);
 }
 
@@ -89,10 +89,10 @@ TEST(DistanceTree, MeasuresBricksOfNodes) {
     DistanceTree::Scratch scratch;
     std::vector<float> distances(729);
     for (int trial = 0; trial < 12; ++trial) {
-      const Vec3 centre = random.in_cube(trial % 2 == 0 ? 10.0 : 30.0);
-      tree.measure_brick(centre, tree.find_nearest(centre, 0).distance, scratch, distances);
+      const Vec3 center = random.in_cube(trial % 2 == 0 ? 10.0 : 30.0);
+      tree.measure_brick(center, tree.find_nearest(center, 0).distance, scratch, distances);
       for (std::size_t node = 0; node < 729; ++node) {
-        const Vec3 p = centre + Vec3{static_cast<double>(node % 9) - 4.0,
+        const Vec3 p = center + Vec3{static_cast<double>(node % 9) - 4.0,
                                      static_cast<double>(node / 9 % 9) - 4.0,
                                      static_cast<double>(node / 81) - 4.0};
         const double expected = std::sqrt(exact.find_closest(p).squared_distance);

@@ -35,7 +35,7 @@ TEST(SolidMassProperties, OfABox) {
   const double c = 0.6;
   const MassProperties box = compute_solid_mass_properties(make_box({a / 2, b / 2, c / 2}).mesh());
   EXPECT_EQ(box.mass, 1.0);
-  expect_near(box.centre_of_mass, {}, 1e-16);
+  expect_near(box.center_of_mass, {}, 1e-16);
   expect_near(box.inertia,
               diagonal((b * b + c * c) / 12, (a * a + c * c) / 12, (a * a + b * b) / 12), 1e-16);
 }
@@ -43,7 +43,7 @@ TEST(SolidMassProperties, OfABox) {
 TEST(SolidMassProperties, OfACubesCorner) {
   // Density 6 on the simplex of unit legs: mean x is 1/4, of x^2 1/10 and of x y 1/20.
   const MassProperties corner = compute_solid_mass_properties(make_corner_tetrahedron(1).mesh());
-  expect_near(corner.centre_of_mass, {0.25, 0.25, 0.25}, 1e-15);
+  expect_near(corner.center_of_mass, {0.25, 0.25, 0.25}, 1e-15);
   const double about_axis = 2.0 * (0.1 - 0.0625);
   const double product = 0.05 - 0.0625;
   expect_near(corner.inertia,
@@ -56,12 +56,12 @@ TEST(SolidMassProperties, OfACubesCorner) {
 TEST(SolidMassProperties, OfAnLShapeByItsThreeCubes) {
   const double s = 0.1;
   const MassProperties l_shape = compute_solid_mass_properties(make_l_shape(s).mesh());
-  const Vec3 centre{5 * s / 6, 5 * s / 6, s / 2};
-  expect_near(l_shape.centre_of_mass, centre, 1e-16);
+  const Vec3 center{5 * s / 6, 5 * s / 6, s / 2};
+  expect_near(l_shape.center_of_mass, center, 1e-16);
   Matrix3 expected = diagonal(s * s / 6, s * s / 6, s * s / 6);
   for (const Vec3& cube :
        {Vec3{s / 2, s / 2, s / 2}, Vec3{3 * s / 2, s / 2, s / 2}, Vec3{s / 2, 3 * s / 2, s / 2}}) {
-    const Vec3 d = cube - centre;
+    const Vec3 d = cube - center;
     expected.row_x += Vec3{d.y * d.y, -d.x * d.y, 0} / 3.0;
     expected.row_y += Vec3{-d.x * d.y, d.x * d.x, 0} / 3.0;
     expected.row_z += Vec3{0, 0, d.x * d.x + d.y * d.y} / 3.0;
@@ -76,7 +76,7 @@ TEST(SolidMassProperties, OfSpheresApproachTheBallAsTheyAreRefined) {
   for (int subdivisions = 1; subdivisions <= 4; ++subdivisions) {
     const MassProperties sphere =
         compute_solid_mass_properties(make_icosphere(radius, subdivisions).mesh());
-    expect_near(sphere.centre_of_mass, {}, 1e-15);
+    expect_near(sphere.center_of_mass, {}, 1e-15);
     const double error = ball - sphere.inertia.row_x.x;
     EXPECT_GT(error, 0.0);
     EXPECT_LT(error, last_error / 3.0);
@@ -110,7 +110,7 @@ TEST(SurfaceMassProperties, OfABoxByItsSixPlates) {
   const double yy = (area_y * b * b / 4 + (area_z + area_x) * b * b / 12) / area;
   const double zz = (area_z * c * c / 4 + (area_x + area_y) * c * c / 12) / area;
   EXPECT_EQ(box.mass, 1.0);
-  expect_near(box.centre_of_mass, {}, 1e-16);
+  expect_near(box.center_of_mass, {}, 1e-16);
   expect_near(box.inertia, diagonal(yy + zz, zz + xx, xx + yy), 1e-16);
 }
 
@@ -123,7 +123,7 @@ TEST(SurfaceMassProperties, OfACubesCornerByItsFourFaces) {
   const double mean = (2 * 0.5 / 3.0 + slanted / 3.0) / area;
   const double square = (2 * 0.5 / 6.0 + slanted / 6.0) / area;
   const double product = (0.5 / 12.0 + slanted / 12.0) / area;
-  expect_near(corner.centre_of_mass, {mean, mean, mean}, 1e-15);
+  expect_near(corner.center_of_mass, {mean, mean, mean}, 1e-15);
   const double about_axis = 2 * (square - mean * mean);
   const double off = -(product - mean * mean);
   expect_near(corner.inertia,
@@ -156,7 +156,7 @@ TEST(MassProperties, FollowEveryRigidMotion) {
     for (int i = 0; i < 50; ++i) {
       const Pose pose = random.pose(1.0);
       const MassProperties properties = compute(transformed(soup, pose).mesh());
-      expect_near(properties.centre_of_mass, pose.transform_point(still.centre_of_mass), 1e-14);
+      expect_near(properties.center_of_mass, pose.transform_point(still.center_of_mass), 1e-14);
       expect_near(properties.inertia, pose.rotation * still.inertia * pose.rotation.transposed(),
                   1e-15);
     }
@@ -169,7 +169,7 @@ TEST(MassProperties, KeepTheirDigitsFarFromTheOrigin) {
        {Compute(compute_solid_mass_properties), Compute(compute_surface_mass_properties)}) {
     const MassProperties near = compute(soup.mesh());
     const MassProperties far = compute(moved(soup, {1000, -2000, 3000}).mesh());
-    expect_near(far.centre_of_mass, {1000, -2000, 3000}, 1e-11);
+    expect_near(far.center_of_mass, {1000, -2000, 3000}, 1e-11);
     expect_near(far.inertia, near.inertia, 1e-12);
   }
 }
@@ -185,11 +185,11 @@ TEST(MassProperties, GrowWithTheSquareOfTheSize) {
   }
 }
 
-TEST(MassProperties, OfAnotherMassScaleTheInertiaAndKeepTheCentre) {
+TEST(MassProperties, OfAnotherMassScaleTheInertiaAndKeepTheCenter) {
   const MassProperties one = compute_solid_mass_properties(make_l_shape(0.1).mesh());
   const MassProperties many = one.with_mass(3.0).with_mass(2.5);
   EXPECT_EQ(many.mass, 2.5);
-  EXPECT_EQ(many.centre_of_mass, one.centre_of_mass);
+  EXPECT_EQ(many.center_of_mass, one.center_of_mass);
   expect_near(many.inertia.row_x, one.inertia.row_x * 2.5, 1e-17);
   expect_near(many.inertia.row_y, one.inertia.row_y * 2.5, 1e-17);
   expect_near(many.inertia.row_z, one.inertia.row_z * 2.5, 1e-17);

@@ -37,7 +37,7 @@ TEST(RayWinding, IsTheNumberThatSolidAnglesGive) {
     int enclosed = 0;
     for (int i = 0; i < 500; ++i) {
       const Vec3 half = 0.55 * mesh.bounds().extents();
-      const Vec3 p = mesh.bounds().centre() + random.in_box(-half, half);
+      const Vec3 p = mesh.bounds().center() + random.in_box(-half, half);
       const Vec3 q = p + 1e-3 * random.direction();
       std::size_t steps = 0;
       const auto numbers = winding.compute({p, q}, steps);

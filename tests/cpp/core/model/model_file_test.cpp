@@ -151,7 +151,7 @@ void expect_equal(const Model& a, const Model& b) {
   expect_equal(a.shell().tree().blocks(), b.shell().tree().blocks());
   EXPECT_EQ(a.bounds().lower, b.bounds().lower);
   EXPECT_EQ(a.bounds().upper, b.bounds().upper);
-  EXPECT_EQ(a.solid_mass_properties().centre_of_mass, b.solid_mass_properties().centre_of_mass);
+  EXPECT_EQ(a.solid_mass_properties().center_of_mass, b.solid_mass_properties().center_of_mass);
   EXPECT_EQ(a.surface_mass_properties().inertia.row_x, b.surface_mass_properties().inertia.row_x);
   EXPECT_EQ(a.settings().tolerance, b.settings().tolerance);
   EXPECT_EQ(a.settings().voxel_size, b.settings().voxel_size);

@@ -120,13 +120,12 @@ TEST(Model, AdvisesASettingThatFitsFieldAndShell) {
   ASSERT_NE(at, std::string::npos) << message;
   const auto at_work = [](std::string_view, double) { return false; };
   const double advised = std::stod(message.substr(at + before_number.size()));
-  expect_error(Model::build(sphere, {.voxel_size = advised}, at_work), ErrorCode::kCancelled, "");
+  expect_error(Model::build(sphere, {.voxel_size = advised}, at_work), ErrorCode::kCanceled, "");
   const std::string before_count = "a resolution of at most ";
   const std::size_t count_at = message.find(before_count);
   ASSERT_NE(count_at, std::string::npos) << message;
   const int resolution = std::stoi(message.substr(count_at + before_count.size()));
-  expect_error(Model::build(sphere, {.resolution = resolution}, at_work), ErrorCode::kCancelled,
-               "");
+  expect_error(Model::build(sphere, {.resolution = resolution}, at_work), ErrorCode::kCanceled, "");
 }
 
 TEST(Model, SaysThatASpacingWasTheVoxelSizeWhereNoneWasGiven) {
@@ -188,7 +187,7 @@ TEST(Model, TakesOpenNestedAndInvertedMeshesUnlessToldOtherwise) {
     const auto model = build(soup, {.resolution = 30});
     EXPECT_NEAR(model->grid().distance({0, 0, 0}), -0.5f, 0.07f);
     const MassProperties& solid = model->solid_mass_properties();
-    EXPECT_NEAR(length(solid.centre_of_mass), 0.0, 0.01);
+    EXPECT_NEAR(length(solid.center_of_mass), 0.0, 0.01);
     EXPECT_NEAR(solid.inertia.row_x.x, whole->solid_mass_properties().inertia.row_x.x, 0.003);
     // Normals of the shell point outwards.
     const auto& shell = model->shell();
@@ -281,7 +280,7 @@ TEST(Model, StopsAtEveryStageWhereProgressSaysSo) {
         asked = stage == stop_in;
         return !asked;
       });
-      expect_error(stopped, ErrorCode::kCancelled, "stopped");
+      expect_error(stopped, ErrorCode::kCanceled, "stopped");
       EXPECT_TRUE(asked);
     }
   }
@@ -304,11 +303,11 @@ TEST(Model, KeepsItsMeshBoundsAndMass) {
   EXPECT_NEAR(model->solid_mass_properties().inertia.row_x.x, (0.16 + 0.04) / 12, 1e-12);
   EXPECT_GT(model->surface_mass_properties().inertia.row_x.x,
             model->solid_mass_properties().inertia.row_x.x);
-  EXPECT_LE(length(model->solid_mass_properties().centre_of_mass - Vec3{1, 2, 3}), 1e-12);
+  EXPECT_LE(length(model->solid_mass_properties().center_of_mass - Vec3{1, 2, 3}), 1e-12);
 }
 
 TEST(Model, OfAnySizeCollidesWithItself) {
-  // From a micrometre to a kilometre, the same body gives the same contacts.
+  // From a micrometer to a kilometer, the same body gives the same contacts.
   std::size_t expected = 0;
   for (const double size : {1.0, 1e-6, 1e-3, 1e3}) {
     // By powers of two, so that rounding is the same.
@@ -331,12 +330,12 @@ TEST(Model, KeepsABowlAsASheetUnlessToldToCloseIt) {
   EXPECT_GT(sheet->grid().distance({0.0f, 0.0f, -0.05f}), 0.0f);
   EXPECT_LT(sheet->grid().distance({0.0f, 0.0f, -0.1f}), 0.0f);
   // A shell with a thin wall, whose center is half of its radius below the rim.
-  EXPECT_NEAR(sheet->solid_mass_properties().centre_of_mass.z, -0.05, 0.003);
+  EXPECT_NEAR(sheet->solid_mass_properties().center_of_mass.z, -0.05, 0.003);
 
   const auto solid = build(bowl, {.resolution = 60, .open = OpenMesh::kSolid});
   EXPECT_EQ(solid->openings().sheet_thickness, 0.0);
   EXPECT_LT(solid->grid().distance({0.0f, 0.0f, -0.05f}), 0.0f);
-  EXPECT_NEAR(solid->solid_mass_properties().centre_of_mass.z, -0.1 * 3.0 / 8.0, 0.003);
+  EXPECT_NEAR(solid->solid_mass_properties().center_of_mass.z, -0.1 * 3.0 / 8.0, 0.003);
 }
 
 TEST(Model, TakesTheThicknessOfASheet) {
@@ -357,8 +356,8 @@ TEST(Model, ClosesABodyWithASmallHoleAsBefore) {
   const auto solid = build(ball, {.resolution = 40, .open = OpenMesh::kSolid});
   EXPECT_EQ(automatic->openings().loops, 1u);
   EXPECT_EQ(automatic->openings().sheet_thickness, 0.0);
-  EXPECT_EQ(automatic->solid_mass_properties().centre_of_mass,
-            solid->solid_mass_properties().centre_of_mass);
+  EXPECT_EQ(automatic->solid_mass_properties().center_of_mass,
+            solid->solid_mass_properties().center_of_mass);
   EXPECT_LT(automatic->grid().distance({0, 0, 0}), -0.09f);
 }
 

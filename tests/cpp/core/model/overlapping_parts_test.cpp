@@ -122,7 +122,7 @@ TEST(OverlappingParts, MeetOthersAsTheFlatLoopHasIt) {
   for (const BoxUnion& boxes : all_unions()) {
     for (const ModelSettings& settings : all_settings()) {
       const auto model = build(boxes.soup(), settings);
-      const Vec3 middle = model->bounds().centre();
+      const Vec3 middle = model->bounds().center();
       Random random(505);
       QueryScratch scratch;
       int hits = 0;

@@ -9,7 +9,7 @@
 
 #include "support/model_bytes.h"
 #include "support/random.h"
-#include "support/travelling_models.h"
+#include "support/traveling_models.h"
 #include "voxshell/contacts.h"
 #include "voxshell/distance.h"
 #include "voxshell/field.h"
@@ -59,7 +59,7 @@ TEST(SameBits, OfModelFiles) {
                                           "4e5197bfebcf5497", "2b035d4833bf0d4e",
                                           "0bb073bdb0538d70", "e5d5b238faba7081"};
   std::vector<std::string> found;
-  for (const auto& [name, model] : travelling_models()) {
+  for (const auto& [name, model] : traveling_models()) {
     const FileBytes bytes = to_bytes(*model);
     found.push_back(
         in_hex(read_at<std::uint64_t>(bytes, offsetof(model_format::Header, checksum))));
@@ -69,11 +69,11 @@ TEST(SameBits, OfModelFiles) {
 
 TEST(SameBits, OfMassProperties) {
   Hash hash;
-  for (const auto& [name, model] : travelling_models()) {
+  for (const auto& [name, model] : traveling_models()) {
     for (const MassProperties& m :
          {model->solid_mass_properties(), model->surface_mass_properties()}) {
       hash.add(m.mass);
-      hash.add(m.centre_of_mass);
+      hash.add(m.center_of_mass);
       for (const Vec3& row : {m.inertia.row_x, m.inertia.row_y, m.inertia.row_z}) hash.add(row);
     }
   }
@@ -84,7 +84,7 @@ TEST(SameBits, OfSmoothSurfaces) {
   Random random(41);
   Hash hash;
   std::size_t curved = 0;
-  for (const auto& [name, model] : travelling_models()) {
+  for (const auto& [name, model] : traveling_models()) {
     const SmoothSurface& surface = model->smooth_surface();
     curved += surface.is_curved();
     for (int i = 0; i < 50; ++i) {
@@ -108,7 +108,7 @@ TEST(SameBits, OfQueries) {
   auto convex = ConvexField::create(make_icosphere(0.3, 1).mesh());
   ASSERT_TRUE(convex);
   fields.push_back(*std::move(convex));
-  for (const auto& [name, model] : travelling_models()) fields.push_back(model->field());
+  for (const auto& [name, model] : traveling_models()) fields.push_back(model->field());
 
   Random random(42);
   QueryScratch scratch;
@@ -118,7 +118,7 @@ TEST(SameBits, OfQueries) {
   Hash wrenches;
   std::size_t count = 0;
   for (const Field& field : fields) {
-    for (const auto& [name, model] : travelling_models()) {
+    for (const auto& [name, model] : traveling_models()) {
       const PointShell& shell = model->shell();
       for (int i = 0; i < 6; ++i) {
         const Pose pose{make_rotation(random), random.in_cube(0.4)};

@@ -36,7 +36,7 @@ bool is_ambiguous_at(const Field& field, const Vec3& place) {
   return is_ambiguous(contact_at(field, field_from_shell, place), field, field_from_shell);
 }
 
-constexpr double kHalf = 0.0005;  // of a plate's thickness, metres
+constexpr double kHalf = 0.0005;  // of a plate's thickness, meters
 
 void expect_ambiguous_in_the_middle(const Field& plate) {
   for (const double depth : {0.0, 0.01, 0.3, 0.6, 0.85, 0.95, 0.99, 1.0}) {

@@ -80,11 +80,11 @@ TEST(Batch, StopsWhereProgressSaysSo) {
     };
     const auto batch = find_contacts_batch(fields()[5], shells()[0], poses, {}, threads, stop);
     ASSERT_FALSE(batch);
-    EXPECT_EQ(batch.error().code, ErrorCode::kCancelled);
+    EXPECT_EQ(batch.error().code, ErrorCode::kCanceled);
     EXPECT_EQ(asked, 1);
     const auto touches = collides_batch(fields()[5], shells()[0], poses, 0.0f, threads, stop);
     ASSERT_FALSE(touches);
-    EXPECT_EQ(touches.error().code, ErrorCode::kCancelled);
+    EXPECT_EQ(touches.error().code, ErrorCode::kCanceled);
     EXPECT_EQ(asked, 2);
   }
 }

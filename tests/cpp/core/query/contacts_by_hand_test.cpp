@@ -27,7 +27,7 @@ float rounded(double number, double size) {
 double reach_of(const PointShell& shell) {
   const auto farthest = [](const PointSphereTree& tree) {
     const Sphere& root = tree.spheres(1)[0];
-    return length(static_cast<Vec3>(root.centre)) + static_cast<double>(root.radius);
+    return length(static_cast<Vec3>(root.center)) + static_cast<double>(root.radius);
   };
   const EdgeSegments* edges = shell.edges();
   const double of_edges =
@@ -79,7 +79,7 @@ float norm(const std::array<float, 3>& v) {
 }
 
 Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
-                    const std::array<float, 3>& within, float h, float per_metre) {
+                    const std::array<float, 3>& within, float h, float per_meter) {
   const int cells = 1 << (entry & 3u);
   const float size = 8.0f / static_cast<float>(cells);
   std::array<int, 3> cell{};
@@ -125,7 +125,7 @@ Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
   const auto slope_z = [&](std::size_t i, std::size_t j) {
     return corner[i][j][1] - corner[i][j][0];
   };
-  const float steepness = unit * per_metre / size;
+  const float steepness = unit * per_meter / size;
   value.gradient = {
       mix(mix(slope_x(0, 0), slope_x(1, 0), t[1]), mix(slope_x(0, 1), slope_x(1, 1), t[1]), t[2]) *
           steepness,
@@ -139,14 +139,14 @@ Value evaluate_cell(const GridFieldData& data, std::uint32_t entry,
 Value evaluate(const GridField& field, const std::array<float, 3>& q) {
   const GridFieldData& data = field.data();
   const auto h = static_cast<float>(data.voxel_size);
-  const auto per_metre = static_cast<float>(1.0 / data.voxel_size);
+  const auto per_meter = static_cast<float>(1.0 / data.voxel_size);
   std::array<float, 3> within{};  // the brick, voxels
   std::array<float, 3> beyond{};
   std::array<int, 3> brick{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int cells = 8 * data.bricks[axis];
     const auto origin = static_cast<float>(data.origin[static_cast<int>(axis)]);
-    const float place = (q[axis] - origin) * per_metre;
+    const float place = (q[axis] - origin) * per_meter;
     float in_grid = place;
     if (in_grid < 0.0f) in_grid = 0.0f;
     if (in_grid > static_cast<float>(cells)) in_grid = static_cast<float>(cells);
@@ -164,7 +164,7 @@ Value evaluate(const GridField& field, const std::array<float, 3>& q) {
     value.distance = plane[0] * (q[0] - beyond[0]) + plane[1] * (q[1] - beyond[1]) +
                      plane[2] * (q[2] - beyond[2]) - plane[3];
   } else {
-    value = evaluate_cell(data, entry, within, h, per_metre);
+    value = evaluate_cell(data, entry, within, h, per_meter);
   }
   if (beyond == std::array<float, 3>{}) return value;
   const float steepness = norm(value.gradient);

@@ -29,7 +29,7 @@ PointShell make_exact_shell(const Soup& soup, double tolerance) {
   return *std::move(shell);
 }
 
-/// About a metre: boxes, blades and facets that are edges all over; one rounded body.
+/// About a meter: boxes, blades and facets that are edges all over; one rounded body.
 const std::vector<PointShell>& edgy_shells() {
   static const auto* all = new std::vector<PointShell>{
       make_exact_shell(make_l_shape(0.3), 4e-3), make_exact_shell(make_wedge(0.8, 0.05, 0.4), 4e-3),

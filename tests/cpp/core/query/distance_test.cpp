@@ -96,7 +96,7 @@ TEST(Nearest, OfEquallyNearPointsIsTheFirst) {
   }
 }
 
-TEST(Nearest, OfTwoBallsIsOnTheLineOfTheirCentres) {
+TEST(Nearest, OfTwoBallsIsOnTheLineOfTheirCenters) {
   const PointShell ball = make_shell(make_icosphere(0.1, 4), 0.005);
   QueryScratch scratch;
   Random random(202);

@@ -51,7 +51,7 @@ Pose nudged(const Pose& pose, double angle, double step, Random& random) {
 }
 
 TEST(Scratch, FollowsMotionsOfEverySpeed) {
-  // Microns to centimetres a step, and pauses; back to the start now and then, to stay in touch.
+  // Microns to centimeters a step, and pauses; back to the start now and then, to stay in touch.
   Random random(240);
   std::size_t contacts = 0;
   for (const PointShell& shell : shells()) {

@@ -21,7 +21,7 @@ namespace {
 using namespace test_support;
 
 constexpr double kTolerance = 1e-3;
-constexpr double kExactTolerance = 4e-3;  // of fields, metres
+constexpr double kExactTolerance = 4e-3;  // of fields, meters
 
 GridField make_exact_grid(const Soup& soup, double voxel_size) {
   auto field = GridField::build(
@@ -59,19 +59,19 @@ Pose field_from_shell(const RigidMotion& of_field, const RigidMotion& of_shell, 
   return of_field.at(fraction).inverse() * of_shell.at(fraction);
 }
 
-/// Towards a place of the other body, or past it; turning by up to a whole turn, or not at all.
+/// Toward a place of the other body, or past it; turning by up to a whole turn, or not at all.
 RigidMotion make_motion(Random& random, int kind) {
   RigidMotion motion{random.pose(1.0), {}, {}};
   motion.start.translation = random.uniform(0.5, 1.5) * random.direction();
   if (kind % 5 != 0) {
-    const Vec3 towards = random.in_cube(0.4) - motion.start.translation;
-    motion.displacement = random.uniform(0.1, 2.0) * towards;
+    const Vec3 toward = random.in_cube(0.4) - motion.start.translation;
+    motion.displacement = random.uniform(0.1, 2.0) * toward;
   }
   if (kind % 3 != 0) motion.turn = random.uniform(0.0, 6.0) * random.direction();
   return motion;
 }
 
-/// Where a grid's cells meet, it may be discontinuous; bodies may stop by so much before. Metres.
+/// Where a grid's cells meet, it may be discontinuous; bodies may stop by so much before. Meters.
 double largest_step(const Field& field) {
   const auto* const grid = std::get_if<GridField>(&field);
   if (grid == nullptr) return 0.0;
@@ -173,7 +173,7 @@ TEST(Sweep, IsAsCloseAsIsAskedFor) {
 TEST(Sweep, OfABallIsThatOfItsMiddle) {
   const PointShell ball = make_shell(make_icosphere(0.1, 5), 0.004);
   QueryScratch scratch;
-  // Down onto a plane, and about an axis a metre away onto a sphere.
+  // Down onto a plane, and about an axis a meter away onto a sphere.
   const RigidMotion fall{{{}, {0.3, -0.2, 1.0}}, {0.5, 0.0, -2.0}, {1.0, 2.0, 0.5}};
   const Sweep down = sweep(PlaneField{}, ball, {}, fall, {.tolerance = 1e-5}, scratch);
   ASSERT_TRUE(down.contact);

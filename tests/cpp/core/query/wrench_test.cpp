@@ -91,7 +91,7 @@ TEST(Wrench, IsTheSumOverTheContactsOfTheFlatLoop) {
           ++colliding;
         }
         const Wrench wrench = compute_wrench(field, shell, pose, kStiffness, scratch);
-        // Differences of float32 distances of a metre, over 15 mm, are off by some 1e-5.
+        // Differences of float32 distances of a meter, over 15 mm, are off by some 1e-5.
         expect_near(wrench.force, force, 2e-4 * scale);
         expect_near(wrench.torque, torque, 2e-4 * scale);
       }

@@ -29,12 +29,12 @@ double distance_between(const Vec3f& a, const Vec3f& b) {
 
 void expect_encloses(const Sphere& sphere, const std::vector<Vec3f>& points) {
   for (const Vec3f& p : points) {
-    ASSERT_LE(distance_between(p, sphere.centre), static_cast<double>(sphere.radius));
+    ASSERT_LE(distance_between(p, sphere.center), static_cast<double>(sphere.radius));
   }
 }
 
 struct Ball {
-  Vec3 centre;
+  Vec3 center;
   double radius;
 };
 
@@ -46,10 +46,10 @@ double smallest_radius(const std::vector<Vec3f>& points) {
   double extent = 0.0;
   for (const Vec3& a : p) extent = std::max(extent, length(a - p[0]));
   double best = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const Vec3& centre, double radius) {
-    if (!(radius < best) || !is_finite(centre)) return;
+  const auto consider = [&](const Vec3& center, double radius) {
+    if (!(radius < best) || !is_finite(center)) return;
     for (const Vec3& q : p) {
-      if (length(q - centre) > radius + 1e-9 * extent) return;
+      if (length(q - center) > radius + 1e-9 * extent) return;
     }
     best = radius;
   };
@@ -64,20 +64,20 @@ double smallest_radius(const std::vector<Vec3f>& points) {
         const Vec3 v = p[k] - p[i];
         const Vec3 w = cross(u, v);
         if (length(w) > 1e-7 * length(u) * length(v)) {
-          const Vec3 to_centre =
+          const Vec3 to_center =
               (squared_length(u) * cross(v, w) + squared_length(v) * cross(w, u)) /
               (2.0 * squared_length(w));
-          consider(p[i] + to_centre, length(to_centre));
+          consider(p[i] + to_center, length(to_center));
         }
         for (std::size_t l = k + 1; l < n; ++l) {
           const Vec3 t = p[l] - p[i];
           const double volume = dot(t, w);
           if (std::abs(volume) <= 1e-7 * length(t) * length(w)) continue;
-          const Vec3 to_centre = (squared_length(u) * cross(v, t) +
+          const Vec3 to_center = (squared_length(u) * cross(v, t) +
                                   squared_length(v) * cross(t, u) + squared_length(t) * w) /
                                  (2.0 * volume);
           // Cramer's rule, with the sign of dot(t, cross(u, v)).
-          consider(p[i] + to_centre, length(to_centre));
+          consider(p[i] + to_center, length(to_center));
         }
       }
     }
@@ -92,31 +92,31 @@ void expect_minimal(const std::vector<Vec3f>& points) {
   ASSERT_TRUE(std::isfinite(smallest));
   double reach = 0.0;
   for (const Vec3f& p : points) reach = std::max(reach, length(static_cast<Vec3>(p)));
-  // The centre is rounded to float32 where it is.
+  // The center is rounded to float32 where it is.
   EXPECT_LE(static_cast<double>(sphere.radius), smallest * (1 + 1e-6) + 1e-7 * reach + 1e-40);
   EXPECT_GE(static_cast<double>(sphere.radius), smallest * (1 - 1e-6));
 }
 
 TEST(EnclosingSphere, OfOnePointIsThatPoint) {
   const Sphere sphere = enclose({{1, 2, 3}});
-  EXPECT_EQ(sphere.centre, (Vec3f{1, 2, 3}));
+  EXPECT_EQ(sphere.center, (Vec3f{1, 2, 3}));
   EXPECT_LE(sphere.radius, 1e-30f);
 }
 
 TEST(EnclosingSphere, OfTwoPointsHasThemAsDiameter) {
   const Sphere sphere = enclose({{1, 2, 3}, {3, 2, 3}});
-  EXPECT_EQ(sphere.centre, (Vec3f{2, 2, 3}));
+  EXPECT_EQ(sphere.center, (Vec3f{2, 2, 3}));
   EXPECT_NEAR(sphere.radius, 1.0f, 1e-6f);
 }
 
 TEST(EnclosingSphere, OfKnownBodies) {
   const Sphere cube = enclose(
       {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {0, 0, 2}, {2, 0, 2}, {0, 2, 2}, {2, 2, 2}});
-  EXPECT_LE(distance_between(cube.centre, {1, 1, 1}), 1e-7);
+  EXPECT_LE(distance_between(cube.center, {1, 1, 1}), 1e-7);
   EXPECT_NEAR(cube.radius, std::sqrt(3.0f), 1e-6f);
   // An obtuse triangle's sphere ignores its blunt corner.
   const Sphere obtuse = enclose({{0, 0, 0}, {10, 0, 0}, {5, 1, 0}});
-  EXPECT_EQ(obtuse.centre, (Vec3f{5, 0, 0}));
+  EXPECT_EQ(obtuse.center, (Vec3f{5, 0, 0}));
   EXPECT_NEAR(obtuse.radius, 5.0f, 1e-6f);
   const Sphere equilateral = enclose({{1, 1, -1}, {1, -1, 1}, {-1, 1, 1}});
   EXPECT_NEAR(equilateral.radius, std::sqrt(8.0f / 3.0f), 1e-6f);
@@ -128,7 +128,7 @@ TEST(EnclosingSphere, UsesOnlyTheSelectedPoints) {
   const std::vector<Vec3f> points{{100, 0, 0}, {0, 0, 0}, {-50, 7, 7}, {2, 0, 0}};
   const std::vector<std::uint32_t> ids{3, 1};
   const Sphere sphere = compute_enclosing_sphere(points, ids);
-  EXPECT_EQ(sphere.centre, (Vec3f{1, 0, 0}));
+  EXPECT_EQ(sphere.center, (Vec3f{1, 0, 0}));
 }
 
 TEST(EnclosingSphere, IsTheSmallestOfRandomSets) {
@@ -195,13 +195,13 @@ TEST(EnclosingSphere, IsTheSmallestOfPointsOnACircle) {
 TEST(EnclosingSphere, IsTheSmallestOfPointsOnASphere) {
   Random random(55);
   for (int trial = 0; trial < 500; ++trial) {
-    const Vec3 centre = random.in_cube(2.0);
+    const Vec3 center = random.in_cube(2.0);
     const double cap = random.uniform(-1.0, 0.9);
     std::vector<Vec3f> points(4 + random.below(5));
     for (Vec3f& p : points) {
       Vec3 direction = random.direction();
       while (direction.z < cap) direction = random.direction();
-      p = static_cast<Vec3f>(centre + direction);
+      p = static_cast<Vec3f>(center + direction);
     }
     expect_minimal(points);
   }
@@ -273,7 +273,7 @@ TEST(EnclosingSphere, OfManyPointsOnASphere) {
   const Sphere sphere = enclose(points);
   expect_encloses(sphere, points);
   EXPECT_NEAR(sphere.radius, 1.0f, 1e-6f);
-  EXPECT_LE(distance_between(sphere.centre, {1, 2, 3}), 1e-5);
+  EXPECT_LE(distance_between(sphere.center, {1, 2, 3}), 1e-5);
 }
 
 TEST(EnclosingSphere, OfManyPointsOnACircle) {
@@ -298,7 +298,7 @@ TEST(EnclosingSphere, OfALattice) {
   }
   const Sphere sphere = enclose(points);
   expect_encloses(sphere, points);
-  EXPECT_LE(distance_between(sphere.centre, {13, 13, 13}), 1e-5);
+  EXPECT_LE(distance_between(sphere.center, {13, 13, 13}), 1e-5);
   EXPECT_NEAR(sphere.radius, 13.0f * std::sqrt(3.0f), 1e-4f);
 }
 

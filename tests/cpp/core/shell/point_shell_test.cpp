@@ -256,7 +256,7 @@ TEST(PointShell, StopsAtEveryReportWhereProgressSaysSo) {
           mesh, settings, [&](std::string_view, double) { return ++calls < stop_at; });
       finished = built.has_value();
       EXPECT_EQ(finished, calls < stop_at);
-      if (!finished) expect_error(built, ErrorCode::kCancelled, "stopped");
+      if (!finished) expect_error(built, ErrorCode::kCanceled, "stopped");
     }
     EXPECT_GE(stop_at, 3);
   }

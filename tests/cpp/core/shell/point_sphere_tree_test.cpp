@@ -163,7 +163,7 @@ TEST(PointSphereTree, SpheresOfTheWalkEncloseTheirPoints) {
       for (std::uint64_t i = 0; i < std::max<std::uint64_t>(clusters, 8); ++i) {
         const float* block =
             view.blocks + (view.first_block[level] + i / 8) * simd::kClusterBlockFloats;
-        const Vec3f centre{block[i % 8], block[8 + i % 8], block[16 + i % 8]};
+        const Vec3f center{block[i % 8], block[8 + i % 8], block[16 + i % 8]};
         const float radius = block[24 + i % 8];
         const auto first = [&](std::uint64_t c) {
           return std::min<std::uint64_t>(count, 8 * ((view.bucket_count * c) >> depth));
@@ -174,7 +174,7 @@ TEST(PointSphereTree, SpheresOfTheWalkEncloseTheirPoints) {
           continue;
         }
         for (std::uint64_t id = first(i); id < first(i + 1); ++id) {
-          ASSERT_LE(distance_between(built.points[built.order[id]], centre),
+          ASSERT_LE(distance_between(built.points[built.order[id]], center),
                     static_cast<double>(radius));
         }
       }
@@ -194,7 +194,7 @@ TEST(PointSphereTree, IsTheSameOnAnyNumberOfThreads) {
     ASSERT_EQ(tree.nbytes(), one.tree.nbytes());
     for (int level = 1; level <= tree.level_count(); ++level) {
       for (std::uint64_t i = 0; i < PointSphereTree::cluster_count(level); ++i) {
-        EXPECT_EQ(tree.spheres(level)[i].centre, one.tree.spheres(level)[i].centre);
+        EXPECT_EQ(tree.spheres(level)[i].center, one.tree.spheres(level)[i].center);
         EXPECT_EQ(tree.spheres(level)[i].radius, one.tree.spheres(level)[i].radius);
       }
     }
@@ -212,7 +212,7 @@ TEST(PointSphereTree, SpheresEncloseTheirPointsAndAreNotLargerThanNeeded) {
         double widest = 0.0;
         for (std::uint32_t id = range.begin; id < range.end; ++id) {
           const Vec3f& p = built.points[built.order[id]];
-          farthest = std::max(farthest, distance_between(p, spheres[i].centre));
+          farthest = std::max(farthest, distance_between(p, spheres[i].center));
           widest = std::max(widest, distance_between(p, built.points[built.order[range.begin]]));
         }
         ASSERT_LE(farthest, static_cast<double>(spheres[i].radius));
@@ -263,7 +263,7 @@ TEST(PointSphereTree, IsTheSameOnEveryBuildAndWithTies) {
   EXPECT_EQ(first.order, second.order);
   for (int level = 1; level <= first.tree.level_count(); ++level) {
     for (std::uint64_t i = 0; i < PointSphereTree::cluster_count(level); ++i) {
-      EXPECT_EQ(first.tree.spheres(level)[i].centre, second.tree.spheres(level)[i].centre);
+      EXPECT_EQ(first.tree.spheres(level)[i].center, second.tree.spheres(level)[i].center);
       EXPECT_EQ(first.tree.spheres(level)[i].radius, second.tree.spheres(level)[i].radius);
     }
   }
@@ -292,7 +292,7 @@ TEST(PointSphereTree, OrderDoesNotDependOnTheOrderGiven) {
 TEST(PointSphereTree, TakesPointsThatAllLieAtOnePlace) {
   const BuiltTree built = build(std::vector<Vec3f>(100, Vec3f{1, 2, 3}));
   for (const Sphere& sphere : built.tree.spheres(built.tree.level_count())) {
-    EXPECT_EQ(sphere.centre, (Vec3f{1, 2, 3}));
+    EXPECT_EQ(sphere.center, (Vec3f{1, 2, 3}));
     EXPECT_LE(sphere.radius, 1e-30f);
   }
 }

@@ -78,7 +78,7 @@ TEST(SmoothSurface, OfACylinderIsLeftAlongItsAxis) {
   }
 }
 
-// With means of the angles alone, faces of 100 mm bulged by a millimetre, and sides of a cone by
+// With means of the angles alone, faces of 100 mm bulged by a millimeter, and sides of a cone by
 // more.
 TEST(SmoothSurface, OfFlatFacesBesideFilletsAndOfConesKeepsTheirShape) {
   std::vector<std::array<double, 2>> polygon;

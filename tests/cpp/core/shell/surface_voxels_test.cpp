@@ -34,7 +34,7 @@ Vec3 grid_origin(const TriangleMesh& mesh, double spacing) {
   Vec3 origin;
   for (int axis = 0; axis < 3; ++axis) {
     const double voxels = std::floor(mesh.bounds().extents()[axis] / spacing + 1e-9) + 1.0;
-    origin[axis] = mesh.bounds().centre()[axis] - 0.5 * voxels * spacing;
+    origin[axis] = mesh.bounds().center()[axis] - 0.5 * voxels * spacing;
   }
   return origin;
 }
@@ -128,7 +128,7 @@ TEST(SurfaceVoxels, ReachEverySideOfTheSurfaceInAVoxelOnce) {
   EXPECT_GT(voxels_of_sides[3] + voxels_of_sides[4], 2u);
 }
 
-TEST(SurfaceVoxels, SampleIsTheClosestToTheCentreOfTheVoxelOfItsSide) {
+TEST(SurfaceVoxels, SampleIsTheClosestToTheCenterOfTheVoxelOfItsSide) {
   Random random(81);
   std::size_t away = 0;
   for (const TriangleMesh& mesh :
@@ -146,16 +146,16 @@ TEST(SurfaceVoxels, SampleIsTheClosestToTheCentreOfTheVoxelOfItsSide) {
       const auto [p, triangle] = surface.place(random);
       const Place place = place_in_grid(p, origin, spacing);
       if (!place.is_clear) continue;
-      Vec3 centre;
+      Vec3 center;
       for (int axis = 0; axis < 3; ++axis) {
-        centre[axis] =
+        center[axis] =
             origin[axis] +
             (static_cast<double>(place.voxel[static_cast<std::size_t>(axis)]) + 0.5) * spacing;
       }
       // The sides come by distance: the first that the place does not face away from is nearer.
       const auto& sides = sampled[place.voxel];
       for (std::size_t k = 0; k < sides.size(); ++k) {
-        ASSERT_GE(length(p - centre), length(sides[k].point - centre) - 1e-9);
+        ASSERT_GE(length(p - center), length(sides[k].point - center) - 1e-9);
         if (dot(normal_of(mesh, triangle), normal_of(mesh, sides[k].triangle)) > -0.9e-3) break;
         ++away;
       }

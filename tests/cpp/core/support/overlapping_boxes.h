@@ -71,7 +71,7 @@ struct BoxUnion {
     return faces;
   }
 
-  /// Signed, metres.
+  /// Signed, meters.
   double distance(const std::vector<Box>& faces, const Vec3& p) const {
     double squared = std::numeric_limits<double>::infinity();
     for (const Box& face : faces) {

@@ -34,7 +34,7 @@ inline ConvexField make_convex(const Soup& soup) {
   return *std::move(field);
 }
 
-/// Bodies of about a metre, of every kind that matters to queries: not convex, with a hole, with
+/// Bodies of about a meter, of every kind that matters to queries: not convex, with a hole, with
 /// sharp edges, flat.
 inline const std::vector<PointShell>& shells() {
   static const auto* all = new std::vector<PointShell>{

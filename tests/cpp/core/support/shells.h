@@ -108,7 +108,7 @@ inline void expect_sound(const PointShell& shell, const TriangleMesh& mesh,
       const PointRange range = shell.tree().cluster_points(level, i);
       for (std::uint32_t id = range.begin; id < range.end; ++id) {
         const Vec3 away =
-            static_cast<Vec3>(shell.points()[id]) - static_cast<Vec3>(spheres[i].centre);
+            static_cast<Vec3>(shell.points()[id]) - static_cast<Vec3>(spheres[i].center);
         ASSERT_LE(length(away), static_cast<double>(spheres[i].radius));
       }
     }
@@ -128,10 +128,10 @@ class NearPoints {
   template <class Accepts>
   double distance(const Vec3& p, const Accepts& accepts) const {
     double nearest = std::numeric_limits<double>::infinity();
-    const auto centre = cell(p);
+    const auto center = cell(p);
     for (int i = 0; i < 27; ++i) {
       const auto found =
-          ids_.find({centre[0] + i % 3 - 1, centre[1] + i / 3 % 3 - 1, centre[2] + i / 9 - 1});
+          ids_.find({center[0] + i % 3 - 1, center[1] + i / 3 % 3 - 1, center[2] + i / 9 - 1});
       if (found == ids_.end()) continue;
       for (const std::uint32_t id : found->second) {
         if (!accepts(id)) continue;

@@ -58,7 +58,7 @@ def gripper(example, tmp_path):
 
 
 def hold(gripper, example, **options):
-    """Takes the mug, lifts and holds it; the deepest that the fingers were in it, metres."""
+    """Takes the mug, lifts and holds it; the deepest that the fingers were in it, meters."""
     world, robot, mug = gripper
     fingers = {robot.links[name].body.number for name in ("outer", "inner")}
     deepest = [0.0]

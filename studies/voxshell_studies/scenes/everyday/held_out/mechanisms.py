@@ -178,7 +178,7 @@ SCENES = (
     EverydayScene(
         "ratchet holds 50 N",
         MACHINE,
-        "The tooth pushes the pawl towards its hinge and down into the teeth: nothing moves beyond the play, 0.2 mm.",
+        "The tooth pushes the pawl toward its hinge and down into the teeth: nothing moves beyond the play, 0.2 mm.",
         _ratchet,
         1.0,
         (Measure("farthest distance", "mm", _farthest_along, nothing, 1e-3, scale=1e3, signed=1),),

@@ -44,15 +44,15 @@ inline Soup make_lump(double radius, int subdivisions) {
   return soup;
 }
 
-struct TravellingModel {
+struct TravelingModel {
   const char* name;
   std::shared_ptr<const Model> model;
 };
 
-/// Bodies of about half a metre; together they have every section of a model file.
-inline const std::vector<TravellingModel>& travelling_models() {
+/// Bodies of about half a meter; together they have every section of a model file.
+inline const std::vector<TravelingModel>& traveling_models() {
   static const auto* all = [] {
-    auto* models = new std::vector<TravellingModel>;
+    auto* models = new std::vector<TravelingModel>;
     const auto add = [&](const char* name, const Soup& soup, const ModelSettings& settings) {
       auto model = Model::build(soup.mesh(), settings);
       if (!model) std::abort();
