@@ -93,10 +93,15 @@ bool IslandProblem::prepare(const SolverPools& pools) {
   number_bodies(pools);
   if (scales_.empty()) return false;
   fill(pools);
-  return newton_.prepare(scales_.size(), rows_) <= kMostCost;
+  const double most =
+      std::max(kMostCost, kMostCostOfJointRow * static_cast<double>(first_contact_));
+  return newton_.prepare(scales_.size(), rows_) <= most;
 }
 
-bool IslandProblem::is_small() const { return scales_.size() <= kFewBodies; }
+/// Bodies that joints hold are not free to be pushed about. Most joints have five rows or six.
+bool IslandProblem::is_small() const {
+  return scales_.size() <= kFewBodies + first_contact_ / kRowsOfJoint;
+}
 
 void IslandProblem::number_bodies(const SolverPools& pools) {
   numbers_.assign(static_cast<std::size_t>(pools.bodies->size()), VelocityRow::kFixed);

@@ -60,7 +60,7 @@ class IslandProblem {
 
   /// Whether Newton's method pays for the island.
   bool prepare(const SolverPools& pools);
-  /// Whether the island, which was prepared, has few bodies.
+  /// Whether the island, which was prepared, has few bodies but for those that joints hold.
   bool is_small() const;
 
   /// Changes all impulses to those of Newton's method.

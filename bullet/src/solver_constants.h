@@ -69,6 +69,11 @@ inline constexpr double kFlatSlope = 0.1;
 /// Islands whose matrix takes more multiplications than this to factorize keep to sweeps. Larger:
 /// heaps are slower. Smaller: towers of some tens of bodies rock.
 inline constexpr double kMostCost = 3e4;
+/// So many for each row of a joint are always worth it: sweeps do not solve robots of many links.
+/// Smaller: hands of more than twenty joints move wrongly. Larger: heaps on robots are slower.
+inline constexpr double kMostCostOfJointRow = 2e3;
+/// Rows of a joint, which holds one body to another, at least.
+inline constexpr std::size_t kRowsOfJoint = 5;
 /// Islands of more bodies than this get fewer steps and rounds. Larger: heaps that tumble cost
 /// more. Smaller: towers that fall apart are left to sweeps.
 inline constexpr std::size_t kFewBodies = 12;

@@ -128,12 +128,17 @@ double VelocityNewton::prepare(std::size_t body_count, std::span<const VelocityR
     }
   }
   double cost = 0.0;
+  row_starts_.resize(size_);
+  std::size_t end = 0;
   for (std::size_t i = 0; i < size_; ++i) {
     // Elimination fills each row as far as the ones above it reach.
     if (i > 0) last_[i] = std::max(last_[i], last_[i - 1]);
+    row_starts_[i] = end - i;
+    end += last_[i] - i + 1;
     const auto width = static_cast<double>(last_[i] - i);
     cost += 0.5 * width * width;
   }
+  entry_count_ = end;
   return cost;
 }
 
@@ -173,7 +178,7 @@ double VelocityNewton::error(std::span<const VelocityRow> rows) {
 /// Starts from the velocities that the rows' impulses give.
 void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) {
   stiffness_ = stiffness;
-  matrix_.resize(size_ * size_);
+  matrix_.resize(entry_count_);
   velocities_.assign(size_, 0.0);
   direction_.resize(size_);
   for (auto* of_rows : {&along_, &along_step_, &tried_, &unlimited_, &impulses_}) {
@@ -223,7 +228,7 @@ void VelocityNewton::find_direction(std::span<const VelocityRow> rows) {
 
 void VelocityNewton::assemble(std::span<const VelocityRow> rows) {
   for (std::size_t i = 0; i < size_; ++i) {
-    double* const entries = &matrix_[i * size_];
+    double* const entries = &matrix_[row_starts_[i]];
     std::fill(entries + i, entries + last_[i] + 1, 0.0);
     entries[i] = 1.0;
   }
@@ -270,7 +275,7 @@ void VelocityNewton::add_square(const VelocityRow& row, double factor) {
   const auto add_block = [&](std::size_t offset_p, const std::array<double, kSix>& p,
                              std::size_t offset_q, const std::array<double, kSix>& q) {
     for (std::size_t k = 0; k < kSix; ++k) {
-      double* const entries = &matrix_[(offset_p + k) * size_ + offset_q];
+      double* const entries = &matrix_[row_starts_[offset_p + k] + offset_q];
       const double scaled = factor * p[k];
       for (std::size_t l = offset_p == offset_q ? k : 0; l < kSix; ++l) {
         entries[l] += scaled * q[l];
@@ -287,13 +292,13 @@ void VelocityNewton::add_square(const VelocityRow& row, double factor) {
 /// Cholesky's factor, in place: matrix = transpose(factor) * factor.
 void VelocityNewton::factorize() {
   for (std::size_t k = 0; k < size_; ++k) {
-    double* const pivot = &matrix_[k * size_];
+    double* const pivot = &matrix_[row_starts_[k]];
     const double root = std::sqrt(pivot[k]);
     for (std::size_t j = k; j <= last_[k]; ++j) pivot[j] /= root;
     for (std::size_t i = k + 1; i <= last_[k]; ++i) {
       const double factor = pivot[i];
       if (factor == 0.0) continue;
-      double* const entries = &matrix_[i * size_];
+      double* const entries = &matrix_[row_starts_[i]];
       for (std::size_t j = i; j <= last_[k]; ++j) entries[j] -= factor * pivot[j];
     }
   }
@@ -302,12 +307,12 @@ void VelocityNewton::factorize() {
 /// Solves for `direction_` by the factor.
 void VelocityNewton::substitute() {
   for (std::size_t k = 0; k < size_; ++k) {
-    const double* const entries = &matrix_[k * size_];
+    const double* const entries = &matrix_[row_starts_[k]];
     direction_[k] /= entries[k];
     for (std::size_t j = k + 1; j <= last_[k]; ++j) direction_[j] -= entries[j] * direction_[k];
   }
   for (std::size_t k = size_; k-- > 0;) {
-    const double* const entries = &matrix_[k * size_];
+    const double* const entries = &matrix_[row_starts_[k]];
     for (std::size_t j = k + 1; j <= last_[k]; ++j) direction_[k] -= entries[j] * direction_[j];
     direction_[k] /= entries[k];
   }

@@ -91,19 +91,21 @@ class VelocityNewton {
   double friction_at(std::size_t normal, std::size_t count) const;
 
   double stiffness_ = 0.0;
-  std::vector<Aim> aims_;            ///< one a row
-  std::vector<Group> groups_;        ///< of all rows
-  std::size_t size_ = 0;             ///< six times the number of bodies
-  std::vector<std::size_t> offset_;  ///< of each body's six numbers in vectors of that size
-  std::vector<std::size_t> last_;    ///< column of the last entry in each row of the matrix
-  std::vector<double> matrix_;       ///< upper half by rows, then its factor
-  std::vector<double> velocities_;   ///< scaled, of the bodies
-  std::vector<double> direction_;    ///< gradient, then step, of the velocities
-  std::vector<double> along_;        ///< velocity along each row
-  std::vector<double> along_step_;   ///< its change by the whole step
-  std::vector<double> tried_;        ///< velocity along each row during a line search
-  std::vector<double> unlimited_;    ///< impulses before limits are applied
-  std::vector<double> impulses_;     ///< and after
+  std::vector<Aim> aims_;                ///< one a row
+  std::vector<Group> groups_;            ///< of all rows
+  std::size_t size_ = 0;                 ///< six times the number of bodies
+  std::vector<std::size_t> offset_;      ///< of each body's six numbers in vectors of that size
+  std::vector<std::size_t> last_;        ///< column of the last entry in each row of the matrix
+  std::vector<std::size_t> row_starts_;  ///< where column 0 of each row of the matrix would be
+  std::size_t entry_count_ = 0;     ///< of the matrix, from each row's diagonal to its last entry
+  std::vector<double> matrix_;      ///< upper half by rows, then its factor
+  std::vector<double> velocities_;  ///< scaled, of the bodies
+  std::vector<double> direction_;   ///< gradient, then step, of the velocities
+  std::vector<double> along_;       ///< velocity along each row
+  std::vector<double> along_step_;  ///< its change by the whole step
+  std::vector<double> tried_;       ///< velocity along each row during a line search
+  std::vector<double> unlimited_;   ///< impulses before limits are applied
+  std::vector<double> impulses_;    ///< and after
 };
 
 }  // namespace voxshell::bullet
