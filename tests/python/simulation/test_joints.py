@@ -423,3 +423,37 @@ def test_limits_in_degrees_are_doubted():
         vx.HingeJoint(limits=(-90, 90))
     vx.HingeJoint(limits=(-3 * np.pi, 3 * np.pi))
     vx.SliderJoint(limits=(-90, 90))
+
+
+@pytest.mark.parametrize("count", [6, 10])
+def test_fingers_of_a_hand_move_alike(count):
+    """With more than twenty joints, sweeps were left alone to solve them, and fingers were up to 0.49 rad apart."""
+    rate = 200
+    world = vx.World(1.0 / rate)
+    palm = world.add(vx.Box((0.1, 0.01, 0.01)), mass=0.3)
+    world.add_joint(
+        vx.HingeJoint(axis=(1, 0, 0), damping=0.5), None, palm, world_from_joint=np.eye(4)
+    )
+    fingers = []
+    for i in range(count):
+        x = 0.03 * (i - count / 2)
+        parent = palm
+        joints = []
+        for k in range(4):
+            link = world.add(
+                vx.Box((0.004, 0.015, 0.004)),
+                mass=0.016,
+                pose=(x, 0.03 + 0.035 * k, 0),
+                group=2,
+                mask=0,
+            )
+            axis = (1, 0, 0) if k < 2 else (0, 0, 1)
+            joint = vx.HingeJoint(axis=axis, limits=(-0.2, 0.2), damping=0.1)
+            place = vx.pose((x, 0.0125 + 0.035 * k, 0))
+            joints.append(world.add_joint(joint, parent, link, world_from_joint=place))
+            parent = link
+        fingers.append(joints)
+    world.step(rate // 5)
+    angles = np.array([[joint.position for joint in joints] for joints in fingers])
+    assert np.abs(angles - angles[0]).max() < 1e-5
+    assert angles[0, 0] == pytest.approx(-0.08, abs=0.005)
