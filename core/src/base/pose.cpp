@@ -26,8 +26,8 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
                                           std::abs(matrix[14]), std::abs(matrix[15] - 1.0)});
   if (last_row_error > kRigidTolerance) {
     return Error{ErrorCode::kInvalidPose,
-                 format_text("pose's last row is off (0, 0, 0, 1) by %.3g; give a row-major "
-                             "world_from_body matrix",
+                 format_text("pose's last row must be 0, 0, 0, 1, and is off by %.3g; pass a rigid, "
+                             "row-major world_from_body matrix",
                              last_row_error)};
   }
   const Pose pose{{{matrix[0], matrix[1], matrix[2]},
@@ -42,7 +42,7 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
                 std::abs(dot(x, y)), std::abs(dot(y, z)), std::abs(dot(z, x))});
   if (orthonormal_error > kRigidTolerance) {
     return Error{ErrorCode::kInvalidPose,
-                 format_text("pose's rotation is off orthonormal by %.3g (at most 1e-6); scale the "
+                 format_text("pose's rotation is not orthonormal (error %.3g, at most 1e-6); scale the "
                              "mesh, not the pose",
                              orthonormal_error)};
   }

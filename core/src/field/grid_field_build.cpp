@@ -46,7 +46,13 @@ Result<RowWinding> build_rows(const TriangleMesh& mesh, const BrickGrid& grid) {
 Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan& plan,
                                    const GridFieldSettings& settings, SignReport& report,
                                    const Progress& progress) {
-  if (auto closed = check_encloses_volume(mesh); !closed) return closed.error();
+  if (auto closed = check_encloses_volume(mesh); !closed) {
+    Error error = closed.error();
+    if (!mesh.compute_defects().is_closed()) {
+      error.message += ", or find its inside automatically (sign 'auto')";
+    }
+    return error;
+  }
   const BrickGrid& grid = plan.grid;
   const auto winding = build_rows(mesh, grid);
   if (!winding) return winding.error();

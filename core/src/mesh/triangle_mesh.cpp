@@ -230,7 +230,7 @@ Result<std::monostate> check_encloses_volume(const TriangleMesh& mesh) {
   if (!defects.is_closed()) {
     return invalid_mesh(
         format_text("mesh is not watertight: %zu open, %zu non-manifold and %zu wrongly oriented "
-                    "edges (first near %s meters); repair it before building a signed field",
+                    "edges (first near %s meters); repair it",
                     defects.open_edges, defects.non_manifold_edges, defects.flipped_edges,
                     format_point(defects.first_location).c_str()));
   }

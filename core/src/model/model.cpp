@@ -106,15 +106,14 @@ Result<std::monostate> check_precision(const TriangleMesh& mesh, double voxel_si
   const double ulp = farthest / kFloatSteps;
   if (ulp <= kLargestUlp * voxel_size) return std::monostate{};
   const double advised = 1.02 * ulp / kLargestUlp;
+  const bool has_coarser = advised < longest_side(mesh);
   return Error{
       ErrorCode::kInvalidMesh,
       format_text("mesh reaches %.3g m from its origin, too far for voxels of %.3g m in "
-                  "single precision; check its unit, move it to its origin (put the offset in "
-                  "the pose)",
-                  farthest, voxel_size) +
-          (advised < longest_side(mesh)
-               ? format_text(" or use a voxel size of at least %.3g m", advised)
-               : "")};
+                  "single precision; check its unit%s move it to its origin (put the offset "
+                  "in the pose)",
+                  farthest, voxel_size, has_coarser ? "," : ", or") +
+          (has_coarser ? format_text(", or use a voxel size of at least %.3g m", advised) : "")};
 }
 
 /// Points that single precision moves by more than a tolerance cannot keep it.

@@ -21,7 +21,7 @@ std::uint32_t find_largest(std::span<const Contact> contacts, const Score& score
   auto best = static_cast<std::uint32_t>(contacts.size());
   float best_score = 0.0f;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    // Without a branch: which contact raises it is anybody's guess.
+    // Branchless: a processor cannot predict which contact raises it.
     const float s = score(contacts[i]);
     best = s > best_score ? i : best;
     best_score = s > best_score ? s : best_score;

@@ -45,7 +45,7 @@ def as_rigid_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return a 4x4 array that the core accepts: finite, rigid, and not too far away.
 
     Raises:
-        PoseError: The value is not a pose, or its rotation is off orthonormal by more than 1e-3.
+        PoseError: The value is not a pose, or its rotation is not orthonormal to within 1e-3.
     """
     pose = as_pose(value, name)
     if pose is None:
@@ -170,17 +170,21 @@ def make_rigid(pose: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     row_error = max(abs(have - want) for have, want in zip(last, _LAST_ROW, strict=True))
     if row_error > EXACT:
         is_transposed = (x, y, z) == (0.0, 0.0, 0.0) and last[3] == 1.0
-        advice = "pass its transpose, pose.T" if is_transposed else "it must be rigid"
+        advice = (
+            "this matrix is transposed, so pass pose.T"
+            if is_transposed
+            else "pass a rigid, row-major world_from_body matrix"
+        )
         raise PoseError(
-            f"{name}: the last row is off (0, 0, 0, 1) by {row_error:.3g}; give a row-major "
-            f"world_from_body matrix: {advice}"
+            f"{name}: the last row must be 0, 0, 0, 1, and is off by {row_error:.3g}; {advice}"
         )
     off = max(orthonormal_errors(rotation))
     mirrors = determinant(rotation) < 0.0
     if off > CORRECTED:
         raise PoseError(
-            f"{name}: the rotation is off orthonormal by {off:.3g}{' and mirrors' if mirrors else ''}; up "
-            f"to {CORRECTED:g} is corrected; scale the mesh, not the pose, or make the pose with voxshell.pose()"
+            f"{name}: the rotation is not orthonormal (error {off:.3g}, at most {CORRECTED:g})"
+            f"{' and mirrors' if mirrors else ''}; scale the mesh, not the pose, or make the pose with "
+            "voxshell.pose()"
         )
     if mirrors:
         raise PoseError(

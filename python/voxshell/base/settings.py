@@ -42,6 +42,9 @@ TOML_TOKEN = re.compile(
 _MOST_NESTED = 100
 """Depth of nested brackets. The parser's time grows with its square: 10 s for 100,000."""
 
+_GIVEN_TWICE = "Cannot overwrite a value"
+"""What Python's parser says of a key that is there twice."""
+
 _DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]+[ \t]*\.[ \t]*){{{_MOST_PARTS}}}")
 
 
@@ -72,7 +75,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     """
     if len(text) > _MOST_CHARACTERS:
         raise SettingsError(
-            f"no TOML that is read: it has {len(text)} characters, and at most {_MOST_CHARACTERS} are "
+            f"TOML exceeds a limit: it has {len(text)} characters, and at most {_MOST_CHARACTERS} are "
             "read; shorten it, or split it into several files"
         )
     _check_keys(text)
@@ -93,11 +96,12 @@ def parse_checked_toml(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SettingsError(f"no TOML: {error}") from error
+        why = str(error).replace(_GIVEN_TWICE, "a key is given twice")
+        raise SettingsError(f"not valid TOML: {why}") from error
     except ValueError as error:  # Python limits the digits of an integer
         number = re.search(r"\d{4000,}", text)
         line = 1 if number is None else _count_lines(text, number.start())
-        raise SettingsError(f"no TOML that is read: {error} (at line {line})") from None
+        raise SettingsError(f"TOML exceeds a limit: {error} (at line {line})") from None
 
 
 def _check_keys(text: str) -> None:
@@ -106,7 +110,7 @@ def _check_keys(text: str) -> None:
     plain = TOML_TOKEN.sub(lambda token: "\n" * token[0].count("\n") or "x", text)
     if found := _DOTTED.search(plain):
         raise SettingsError(
-            f"no TOML that is read: a key has more than {_MOST_PARTS} parts (at line "
+            f"TOML exceeds a limit: a key has more than {_MOST_PARTS} parts (at line "
             f"{_count_lines(plain, found.start())})"
         )
 
@@ -120,7 +124,7 @@ def _check_depth(text: str) -> None:
         depth += (token[0] in "[{") - (token[0] in "]}")
         if depth > _MOST_NESTED:
             raise SettingsError(
-                f"no TOML that is read: brackets are nested too deeply (at line {line})"
+                f"TOML exceeds a limit: brackets are nested more than {_MOST_NESTED} deep (at line {line})"
             )
 
 

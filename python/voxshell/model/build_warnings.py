@@ -76,15 +76,24 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
     opening = _describe_openings(core, open_as)
     open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
     place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
+    faults = [
+        _count(number, what)
+        for number, what in (
+            (open_edges, "open edge"),
+            (non_manifold, "non-manifold edge"),
+            (flipped, "wrongly oriented edge"),
+        )
+        if number
+    ]
     if grid.sign_method == "closed":
         if opening:
             found.append(opening._replace(text=f"mesh is open: {opening.text}"))
         elif flipped or non_manifold:
-            defect = f"{open_edges} open, {non_manifold} non-manifold and {flipped} wrongly oriented edges"
+            defect = ", ".join(faults)
             handling = "its triangles were turned to face outward, and repeated ones left out"
             found.append(
                 _fault(
-                    f"mesh has {defect} (first near [{place}] meters); {handling}; the model's mesh is closed",
+                    f"mesh has {defect}, the first near [{place}] meters; {handling}; the model's mesh is closed",
                     defect,
                     handling,
                 )
@@ -92,31 +101,30 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
         return found
     if not (open_edges or non_manifold or flipped or overlaps or opening):
         return found  # closed parts that touch are not a fault
-    faults = ", ".join(
-        f"{count} {what}"
-        for count, what in (
-            (open_edges, "open edges"),
-            (non_manifold, "non-manifold edges"),
-            (flipped, "wrongly oriented edges"),
-            (overlaps, "grid nodes enclosed more than once"),
-            (hidden, "triangles wholly or partly inside others"),
-        )
-        if count
-    )
-    handling = "winding numbers decide what is inside"
+    union = ""
+    if overlaps or hidden:
+        inside = f" ({_count(hidden, 'triangle')} wholly or partly inside others)" if hidden else ""
+        faults.append(f"overlapping parts{inside}")
+        union = "the model is the union of its parts"
+    defect, handling = ", ".join(faults), "winding numbers decide what is inside"
     more = ("", "", "")
     if opening:
         more = f"; {opening.text}", f", {opening.defect}", f", and {opening.handling}"
     found.append(
         _fault(
-            f"mesh is not one closed surface: {faults} (first near [{place}] meters); {handling}, "
-            f"with a confidence of {grid.sign_confidence:.3f}; repair it, or pass "
-            f"sign='winding' to accept it{more[0]}",
-            f"{faults}{more[1]}",
-            f"{handling}{more[2]}",
+            f"mesh is not one closed surface: {defect}, the first near [{place}] meters; {handling}, "
+            f"with a confidence of {grid.sign_confidence:.3f}{union and '; '}{union}; repair the mesh; "
+            f"sign='winding' silences this warning{more[0]}",
+            f"{defect}{more[1]}",
+            f"{handling}{union and ', and '}{union}{more[2]}",
         )
     )
     return found
+
+
+def _count(number: int, what: str) -> str:
+    """Return a number of things: "1 open edge", "2 open edges"."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def warn_of_coarse_tolerance(tolerance: float, extents: NDArray[np.float64]) -> None:
@@ -169,12 +177,12 @@ def _find_inaccuracy(core: CoreModel) -> list[Finding]:
     why = "" if closed else "; exact cells need a closed mesh, so repair it if you can"
     larger = _choose_larger(tolerance, reached, worst)
     coarse = _COARSE * larger > np.ptp(core.vertices, axis=0).min()
-    advice = "" if coarse else f"a larger tolerance, such as {larger:.2g} m, or "
+    advice = "" if coarse else f"a larger tolerance, such as tolerance={larger:.2g}, or "
     found.append(
         Finding(
             AccuracyWarning,
             f"the model misses its tolerance of {tolerance * 1e3:.3g} mm: {'; '.join(missed)}{why}; pass {advice}"
-            f"a voxel_size for a uniform model, such as {core.grid.voxel_size:.2g} m as here",
+            f"voxel_size={core.grid.voxel_size:.2g} for a uniform model",
             f"misses the tolerance of {tolerance * 1e3:.3g} mm by up to {worst * 1e3:.3g} mm",
             "",
         )

@@ -8,7 +8,6 @@ from voxshell import _core
 from voxshell.base.user_warnings import warn_user
 from voxshell.model.accuracy import AccuracyWarning
 from voxshell.model.model import Model
-from voxshell.query.contact_set import ROLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -23,13 +22,21 @@ _OF_WALL = 0.25  # limit as a fraction of the thinner wall: half the distance to
 _MOST_REMEMBERED = 10_000
 
 
+class Meeting(NamedTuple):
+    """Two models of a world that may meet, and the names of a body of each."""
+
+    a: Model
+    b: Model
+    name_a: str
+    name_b: str
+
+
 class Missing(NamedTuple):
     """Depth that queries of two bodies may miss, and the length that limits it; meters."""
 
     miss: float
     length: float
     of: str
-    shell: str
 
     @property
     def fraction(self) -> float:
@@ -37,36 +44,38 @@ class Missing(NamedTuple):
         return self.miss / self.length
 
     def __str__(self) -> str:
-        by = {"a": "a's points", "b": "b's points", "both": "both bodies' points"}[self.shell]
         part = f"{100.0 * self.fraction:.3g} % of" if self.fraction <= 1.0 else "more than"
         return (
-            f"may miss {self.miss * 1e3:.3g} mm in depth with {by}, {part} {self.of} of "
+            f"may be missed up to {self.miss * 1e3:.3g} mm deep, {part} {self.of} of "
             f"{self.length * 1e3:.3g} mm"
         )
 
 
-def _name(body: Model | Field) -> str:
-    """Return what tells a body from others, in few words."""
-    if isinstance(body, Model):
-        return f"a model of {len(body._core.faces)} triangles and {len(body.shell)} points"
-    return repr(body)
+def _describe(name: str, body: Model | Field) -> str:
+    """Return an argument's name, and what tells its body from others, in few words."""
+    what = f"{len(body._core.faces)} triangles" if isinstance(body, Model) else repr(body)
+    return f"{name} ({what})"
 
 
-def _advise(*bodies: Model | Field) -> str:
-    """What to do about bodies that may miss much of each other."""
-    uniform = [body for body in bodies if isinstance(body, Model) and body.tolerance is None]
-    of_robots = [body for body in uniform if body._is_of_robot]  # uniform by default
-    build = "build {} to a tolerance, without voxel_size= and resolution="
+def _advise(a: Model | Field, b: Model | Field, name_a: str, name_b: str) -> str:
+    """Return what to do about bodies that may miss much of each other, and which models it concerns."""
+    models = {body: name for body, name in ((b, name_b), (a, name_a)) if isinstance(body, Model)}
+    uniform = {body: name for body, name in models.items() if body.tolerance is None}
+    others = sorted(name for body, name in uniform.items() if not body._is_of_robot)
+    remedies = []
+    if len(others) < len(uniform):  # loaders build uniform models by default
+        remedies.append("load robots with tolerance=0.0002")
+    if others:
+        names = " and ".join(others)
+        remedies.append(f"build {names} to a tolerance, without voxel_size= and resolution=")
     if not uniform:
-        remedy, more = "build the models to a smaller tolerance=", ""
-    elif not of_robots:
-        remedy, more = build.format("the models"), "; load robots with tolerance=0.0002"
-    else:
-        remedy, more = "load robots with tolerance=0.0002", ""
-        if len(of_robots) < len(uniform):
-            remedy = f"{remedy}, and {build.format('other models')}"
+        coarsest = max(body.tolerance or 0.0 for body in models)
+        names = " and ".join(
+            sorted(name for body, name in models.items() if body.tolerance == coarsest)
+        )
+        remedies.append(f"build {names} to a tolerance below {coarsest:.3g} m")
     return (
-        f"{remedy} (voxshell.contact_bounds reports the effect{more}), or filter "
+        f"{', and '.join(remedies)} (voxshell.contact_bounds reports the effect), or filter "
         "voxshell.AccuracyWarning"
     )
 
@@ -86,32 +95,35 @@ def judge(a: Model | Field, b: Model | Field, parts: Parts) -> None:
     missing = measure(parts)
     if missing is not None:
         warn_user(
-            f"queries of {_name(a)} and {_name(b)} {missing}; {_advise(a, b)}", AccuracyWarning
+            f"contacts between {_describe('a', a)} and {_describe('b', b)} {missing}; "
+            f"{_advise(a, b, 'a', 'b')}",
+            AccuracyWarning,
         )
 
 
-def judge_world(pairs: Iterable[tuple[Model, Model]]) -> None:
+def judge_world(meetings: Iterable[Meeting]) -> None:
     """Warn about the worst pair of models that may meet in a world."""
-    found: list[tuple[Missing, Model, Model]] = []
-    for a, b in pairs:
+    found: list[tuple[Missing, Meeting]] = []
+    for meeting in meetings:
+        a, b = meeting.a, meeting.b
         missing = measure((a.field._core, a._core, b.field._core, b._core))
         if missing is not None:
-            found.append((missing, a, b))
+            found.append((missing, meeting))
     if not found:
         return
-    worst, a, b = max(found, key=lambda each: each[0].fraction)
-    count = f"{len(found)} pairs of models" if len(found) > 1 else "a pair of models"
+    worst, (a, b, name_a, name_b) = max(found, key=lambda each: each[0].fraction)
+    count = f" (the worst of {len(found)} pairs of models)" if len(found) > 1 else ""
+    advice = _advise(a, b, f"the model of {name_a!r}", f"the model of {name_b!r}")
     warn_user(
-        f"{count} in the world may miss contacts; the worst {worst}; {_advise(a, b)}",
-        AccuracyWarning,
+        f"contacts between {name_a!r} and {name_b!r} {worst}{count}; {advice}", AccuracyWarning
     )
 
 
 def measure(parts: Parts) -> Missing | None:
     """Return what the automatic role of two bodies may miss, or None if that is acceptable."""
-    role, miss, _, _, _, _, side, wall = _core.role(*parts, _core.Shells.AUTOMATIC)
+    _, miss, _, _, _, _, side, wall = _core.role(*parts, _core.Shells.AUTOMATIC)
     if miss > _OF_WALL * wall:
-        return Missing(miss, wall, "the thinner wall", ROLES[role])
+        return Missing(miss, wall, "the thinner wall")
     if miss > _OF_SIDE * side:
-        return Missing(miss, side, "the smaller body's shortest side", ROLES[role])
+        return Missing(miss, side, "the smaller body's shortest side")
     return None

@@ -215,9 +215,9 @@ def _scale(matter: MassProperties, mass: float) -> MassProperties:
     low, middle, high = np.linalg.eigvalsh(tensor).tolist()
     if high > (1.0 + _ROUNDING) * (low + middle):
         raise SettingsError(
-            f"inertia.inertia is that of no body: its largest principal moment is {high:g} kg m2, and the "
-            f"other two are {low + middle:g} kg m2 together, which no largest one exceeds; check its numbers "
-            "and the signs of its products of inertia"
+            f"inertia.inertia violates the triangle inequality: its largest principal moment, {high:g} kg m2, "
+            f"exceeds the sum of the other two, {low + middle:g} kg m2; check its numbers and the signs of its "
+            "products of inertia"
         )
     return MassProperties(mass, center, tensor * ratio)
 

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from voxshell.model.model import Model
-from voxshell.query.accuracy_warning import judge_world
+from voxshell.query.accuracy_warning import Meeting, judge_world
 from voxshell.simulation.compound import Compound
 
 if TYPE_CHECKING:
@@ -88,29 +88,38 @@ class PairWatch:
             if joint.parent is not None and not joint._collides
         }
         movers = {model for model, kinds in owners.items() if any(kind.moves for kind in kinds)}
-        pairs: dict[frozenset[int], tuple[Model, Model]] = {}
+        meetings: dict[frozenset[int], Meeting] = {}
         for model in new & owners.keys():
             for other in owners:
                 key = frozenset((model._serial, other._serial))
                 if key in self._judged or movers.isdisjoint((model, other)):
                     continue
-                if self._may_meet(owners[model], owners[other], held):
-                    pairs[key] = model, other
+                found = self._find_two(owners[model], owners[other], held)
+                if found is not None:
+                    a, b = found
+                    meetings[key] = Meeting(model, other, a.name, b.name)
                 elif model is not other or sum(map(len, owners[model].values())) > 1:
                     self._waiting |= key
-        judge_world(pairs.values())
-        self._judged |= pairs.keys()
+        judge_world(meetings.values())
+        self._judged |= meetings.keys()
 
-    def _may_meet(self, some: _Owners, others: _Owners, held: set[frozenset[int]]) -> bool:
-        return any(
-            a is not b
-            and b.number not in self._apart.get(a.number, ())
-            and frozenset((a.number, b.number)) not in held
-            for kind, these in some.items()
-            for other_kind, those in others.items()
-            if kind.may_meet(other_kind)
-            for a in these
-            for b in those
+    def _find_two(
+        self, some: _Owners, others: _Owners, held: set[frozenset[int]]
+    ) -> tuple[Body, Body] | None:
+        """Return the first two bodies that may meet, one of each; None if no two may."""
+        return next(
+            (
+                (a, b)
+                for kind, these in some.items()
+                for other_kind, those in others.items()
+                if kind.may_meet(other_kind)
+                for a in these
+                for b in those
+                if a is not b
+                and b.number not in self._apart.get(a.number, ())
+                and frozenset((a.number, b.number)) not in held
+            ),
+            None,
         )
 
 

@@ -130,7 +130,7 @@ COMMANDS = [
         "reproduce ball --settings missing.toml --out x",
         "cannot read missing.toml: it does not exist",
     ),
-    ("reproduce ball --settings false.toml --out x", "false.toml: no TOML"),
+    ("reproduce ball --settings false.toml --out x", "false.toml: not valid TOML"),
     ("reproduce ball extra --out x", "too many arguments: extra"),
     ("view cone.vxs --show", "show must name at least one layer"),
     ("view noise.stl --export folder", "folder is a folder; name a file"),
@@ -147,8 +147,8 @@ PART = "[[bodies.a.parts]]\nshape = 'sphere'\nradius = 1\n"
 
 # What a scene file says, and what is wrong with it, at which line.
 SCENES = [
-    ("[scene\n", 1, "no TOML"),
-    ("[scene]\nrate = 100\nrate = 200\n", 3, "no TOML"),
+    ("[scene\n", 1, "not valid TOML: Expected ']'"),
+    ("[scene]\nrate = 100\nrate = 200\n", 3, "not valid TOML: a key is given twice"),
     ("", 1, "bodies must contain at least one body"),
     ("[world]\n", 1, "world: unknown table; valid tables: scene, outputs"),
     ("bodies = 3\n", 1, "bodies must be a table"),

@@ -147,7 +147,7 @@ LINES: tuple[tuple[str, str, str, Wants], ...] = (
 
 def list_texts() -> Iterator[tuple[str, Content, Wants]]:
     yield "empty", "", "refused"
-    yield "no TOML", "solid", "refused"
+    yield "not TOML", "solid", "refused"
     yield "cut", SCENE[:-4], "refused"
     yield "cut in a table's name", SCENE[: SCENE.index("[joints") + 5], "refused"
     yield "UTF-16", SCENE.encode("utf-16"), "refused"
@@ -210,7 +210,7 @@ def list_texts() -> Iterator[tuple[str, Content, Wants]]:
 
 
 SETTINGS: tuple[tuple[str, Content, Wants], ...] = (
-    ("no TOML", "solid", "refused"),
+    ("not TOML", "solid", "refused"),
     ("an unknown experiment", "[evil]\na = 1\n", "refused"),
     ("an unknown setting", "[slope]\nevil = 1\n", "refused"),
     ("a number in place of a table", "slope = 1\n", "refused"),

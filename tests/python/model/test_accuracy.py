@@ -92,7 +92,7 @@ def test_the_advised_tolerance_is_larger_and_ends_the_warning(tolerance, radius)
     mesh = ball_with_a_hole(radius)
     model, said = build_and_hear(mesh, tolerance)
     assert len(said) == 1
-    found = re.search(r"such as (\S+) m, or a voxel_size", said[0])
+    found = re.search(r"pass a larger tolerance, such as tolerance=(\S+), or voxel_size=", said[0])
     assert found is not None, said
     assert float(found[1]) > model.tolerance
     assert build_and_hear(mesh, float(found[1]))[1] == []
@@ -100,7 +100,7 @@ def test_the_advised_tolerance_is_larger_and_ends_the_warning(tolerance, radius)
 
 def test_the_advised_voxel_size_ends_the_warning():
     _, said = build_and_hear(ball_with_a_hole())
-    found = re.search(r"such as (\S+) m as here", said[0])
+    found = re.search(r"voxel_size=(\S+) for a uniform model$", said[0])
     assert found is not None, said
     with warnings.catch_warnings():
         warnings.simplefilter("error", vx.AccuracyWarning)

@@ -31,7 +31,7 @@ def test_what_it_says_of_its_sign(cube: vx.Model):
     assert cube.field.sign_method == "closed"
     assert cube.field.sign_confidence == 1.0
     mesh = trimesh.creation.icosphere(3)
-    with pytest.warns(vx.MeshWarning, match=r"3 open edges \(first near \["):
+    with pytest.warns(vx.MeshWarning, match=r"3 open edges, the first near \["):
         holed = vx.Model.from_mesh((mesh.vertices, mesh.faces[1:]), resolution=20)
     assert holed.field.sign_method == "winding"
     assert 0.5 < holed.field.sign_confidence <= 1.0

@@ -160,7 +160,7 @@ def test_a_convex_polyhedron_must_be_convex_and_says_by_how_much():
     dented.vertices[np.argmax(dented.vertices.sum(axis=1))] *= 0.4
     with pytest.raises(vx.MeshError, match=r"not convex: vertex .* stands 0\.\d+ m out"):
         vx.ConvexPolyhedron(dented)
-    with pytest.raises(vx.MeshError, match="watertight"):
+    with pytest.raises(vx.MeshError, match=r"watertight.*; repair it$"):
         vx.ConvexPolyhedron((dented.vertices, dented.faces[1:]))
     with pytest.raises(vx.MeshError, match="not finite"):
         vx.ConvexPolyhedron((dented.vertices * np.nan, dented.faces))

@@ -348,7 +348,7 @@ def test_wrong_uses_are_refused(bar):
         world.add_joint("hinge", None, body)
     with pytest.raises(vx.InputTypeError, match="child must be a Body"):
         world.add_joint(hinge, body, None)
-    with pytest.raises(vx.PoseError, match="child_from_joint: the last row"):
+    with pytest.raises(vx.PoseError, match="child_from_joint: the last row must be 0, 0, 0, 1"):
         world.add_joint(hinge, None, body, child_from_joint=2 * np.eye(4))
     with pytest.raises(vx.SettingsError, match="not both"):
         world.add_joint(hinge, None, body, child_from_joint=at(), world_from_joint=at())

@@ -13,7 +13,9 @@ from voxshell.simulation.pair_watch import PairWatch
 def judged(monkeypatch: pytest.MonkeyPatch) -> list[frozenset[vx.Model]]:
     """Pairs that were judged, in order."""
     pairs: list[frozenset[vx.Model]] = []
-    monkeypatch.setattr(pair_watch, "judge_world", lambda new: pairs.extend(map(frozenset, new)))
+    monkeypatch.setattr(
+        pair_watch, "judge_world", lambda new: pairs.extend(frozenset((it.a, it.b)) for it in new)
+    )
     return pairs
 
 

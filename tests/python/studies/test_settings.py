@@ -63,7 +63,7 @@ def test_file_is_tables(tmp_path):
     with pytest.raises(SettingsError, match="phases = 3 stands outside a table"):
         read_settings_file(path)
     path.write_text("[ball\n")
-    with pytest.raises(SettingsError, match=r"settings\.toml: no TOML"):
+    with pytest.raises(SettingsError, match=r"settings\.toml: not valid TOML"):
         read_settings_file(path)
 
 

@@ -120,18 +120,18 @@ TEST(Pose, RefusesPlacesBeyondWhatFloat32CanSquare) {
   }
 }
 
-TEST(Pose, RefusesScaleShearAndRotationsOffOrthonormal) {
+TEST(Pose, RefusesScaleShearAndRotationsThatAreNotOrthonormal) {
   for (std::size_t entry : {0u, 5u, 10u}) {
     auto matrix = to_matrix(Pose{});
     matrix[entry] = 1.001;
-    expect_refused(matrix, "off orthonormal by 0.002");
+    expect_refused(matrix, "not orthonormal (error 0.002, at most");
     matrix[entry] = 0.0;
     expect_refused(matrix, "orthonormal");
   }
   for (std::size_t entry : {1u, 2u, 4u, 6u, 8u, 9u}) {
     auto matrix = to_matrix(Pose{});
     matrix[entry] = 1e-3;
-    expect_refused(matrix, "off orthonormal by 0.001");
+    expect_refused(matrix, "not orthonormal (error 0.001, at most");
   }
   auto huge = to_matrix(Pose{});
   huge[0] = 1e200;  // its square is infinite

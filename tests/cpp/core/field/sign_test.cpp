@@ -283,6 +283,8 @@ TEST(Sign, OpenMeshesAreRefusedWhereTheyMustBeClosed) {
       GridField::build(bowl.mesh(), {.voxel_size = 0.05, .sign = SignMethod::kClosed});
   ASSERT_FALSE(field);
   EXPECT_NE(field.error().message.find("not watertight"), std::string::npos);
+  EXPECT_NE(field.error().message.find("; repair it, or find its inside automatically"),
+            std::string::npos);
 }
 
 }  // namespace
