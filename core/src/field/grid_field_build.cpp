@@ -139,10 +139,10 @@ Result<GridFieldData> build_by_winding(const TriangleMesh& mesh,
   if (report.confidence < kLeastConfidence) {
     return Error{
         ErrorCode::kInvalidMesh,
-        format_text("it is in doubt what the mesh has inside: on %.0f %% of its area it has "
-                    "a winding number near a half on one of its sides (%zu open, %zu "
-                    "non-manifold and %zu wrongly oriented edges, first near %s meters); "
-                    "repair it, or give it a thickness",
+        format_text("the mesh's inside is ambiguous: on %.0f %% of its area, the winding "
+                    "number on one side is near a half (%zu open, %zu non-manifold and %zu "
+                    "wrongly oriented edges, first near %s meters); repair it, or give it a "
+                    "thickness",
                     100.0 * (1.0 - report.confidence), report.defects.open_edges,
                     report.defects.non_manifold_edges, report.defects.flipped_edges,
                     format_point(report.defects.first_location).c_str())};

@@ -153,10 +153,20 @@ def as_choice(value: Any, name: str, choices: Iterable[str]) -> str:
     """Return one of some words."""
     words = tuple(choices)
     if not (isinstance(value, str) and value in words):
-        *others, last = map(repr, words)
-        known = f"{', '.join(others)} or {last}" if others else last
+        known = join_choices(map(repr, words))
         raise SettingsError(f"{name} must be {known}, not {show_value(value)}")
     return value
+
+
+def join_choices(words: Iterable[str]) -> str:
+    """Return words of which one is to be chosen, for a message.
+
+    Example:
+        >>> join_choices(["free", "ball", "hinge"]), join_choices(["1"])
+        ('free, ball or hinge', '1')
+    """
+    *others, last = words
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def as_text(value: Any, name: str) -> str:

@@ -144,7 +144,7 @@ class Recording:
             >>> import voxshell as vx
             >>> vx.Recording.load("pyproject.toml")
             Traceback (most recent call last):
-            voxshell.errors.RecordingError: cannot read the recording pyproject.toml: File is not a zip file
+            voxshell.errors.RecordingError: cannot read the recording pyproject.toml: it is not a recording (.npz)
         """
         return cls(*read_recording(Path(os.fsdecode(as_path(path, "path")))))
 

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 SUFFIX = ".npz"
 _FORMAT, _VERSION = "voxshell recording", 1
+_ARCHIVE = b"PK"
+"""First bytes of any file that :meth:`Recording.save` wrote."""
+
 _MOST_BYTES = 4 << 30
 """Largest file, and largest sum of its arrays, that is read."""
 
@@ -114,8 +117,16 @@ def read_recording(path: Path) -> tuple[float, tuple[BodyTrack, ...], ContactTra
     except MemoryLimitError:
         raise
     except _DAMAGED as error:
-        why = f"it has no {error}" if isinstance(error, KeyError) else error
-        raise RecordingError(f"cannot read the recording {path}: {why}") from error
+        raise RecordingError(
+            f"cannot read the recording {path}: {_explain(error, content)}"
+        ) from error
+
+
+def _explain(error: Exception, content: bytes) -> str:
+    """Return what is wrong with the content of a file."""
+    if isinstance(error, zipfile.BadZipFile) and not content.startswith(_ARCHIVE):
+        return f"it is not a recording ({SUFFIX})"
+    return f"it has no {error}" if isinstance(error, KeyError) else str(error)
 
 
 def _read_arrays(content: bytes, path: Path) -> Mapping[str, NDArray[Any]]:

@@ -13,6 +13,7 @@ from voxshell.base.calls import explain_calls
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
 from voxshell.robots.kinematics import find_child
+from voxshell.robots.named_parts import NamedParts
 from voxshell.robots.starts import (
     HELD_WITHIN,
     as_positions,
@@ -67,7 +68,7 @@ class Robot:
 
     Attributes:
         name: As in the file.
-        links: All links, by name.
+        links: All links, by name. A KeyError states which names there are.
         joints: The joints that move along or about an axis, by name.
         ball_joints: The joints of type "spherical" or "ball", by name; they have no motor.
         bodies: The bodies of the links.
@@ -97,9 +98,10 @@ class Robot:
             joint.name: joint for joint in described
         }  # each before those of its child
         self.name: str = name
-        self.links: dict[str, Link] = links
-        self.joints: dict[str, Joint] = joints
-        self.ball_joints: dict[str, Joint] = ball_joints
+        owner = f"robot {name!r}"
+        self.links: dict[str, Link] = NamedParts(links, owner, "link")
+        self.joints: dict[str, Joint] = NamedParts(joints, owner, "moving joint")
+        self.ball_joints: dict[str, Joint] = NamedParts(ball_joints, owner, "ball joint")
         self.bodies: list[Body] = []
         for link in links.values():
             if link.body is not None and link.body not in self.bodies:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 from xml.parsers import expat
 
+from voxshell.base.arguments import join_choices
 from voxshell.base.input_files import read_small_file
 from voxshell.errors import RobotError, SettingsError
 
@@ -29,9 +30,12 @@ _OTHER_ROOTS = {
     "mujoco": "load MJCF files with load_mjcf",
     "mujocoinclude": "it is a part of MJCF files; load one that includes it with load_mjcf",
     "sdf": "SDF files are not read; convert it to URDF or MJCF",
-    "COLLADA": "it is a mesh, not a robot",
+    "COLLADA": "it is a mesh; pass it to voxshell.Model.from_mesh",
 }
 """What to do about files of other kinds, by their root."""
+
+_MESHES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".3mf")
+"""Suffixes of meshes that are not XML."""
 
 _PADDING = b"\0 \t\r\n\x1a"
 """Bytes that some exporters append after the last element."""
@@ -95,7 +99,7 @@ class Element:
             numbers = []
         fits = "_" not in text and len(numbers) in counts
         if not fits or not all(map(math.isfinite if finite else _is_number, numbers)):
-            hint = f"give {_list_counts(counts)} finite numbers"
+            hint = f"give {_describe_counts(counts)}"
             if "$" in text:
                 hint = f"it is a macro of xacro: expand it with xacro {self.path}"
             self.refuse(f'has <{self.tag} {attribute}="{text[:60]}">; {hint}')
@@ -110,7 +114,7 @@ class Element:
         word = self.attributes.get(attribute, default)
         if word not in words:
             self.refuse(
-                f'has <{self.tag} {attribute}="{word[:60]}">; it must be {" or ".join(words)}'
+                f'has <{self.tag} {attribute}="{word[:60]}">; it must be {join_choices(words)}'
             )
         return word
 
@@ -212,7 +216,8 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise RobotError(f"{path}: it is not valid XML: {error}") from None
+        what = _find_kind(path, dialect) or f"it is not valid XML: {error}"
+        raise RobotError(f"{path}: {what}") from None
     root = roots[0]
     if root.tag not in dialect.roots:
         remedy = _OTHER_ROOTS.get(root.tag, "")
@@ -222,8 +227,22 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
     return root
 
 
-def _list_counts(counts: Container[int]) -> str:
-    return " or ".join(map(str, counts)) if isinstance(counts, tuple) else "only"
+def _find_kind(path: str, dialect: Dialect) -> str:
+    """Return what a file that is not XML is, by its suffix, and what to do; "" if that is unknown."""
+    suffix = os.path.splitext(path)[1].lower()
+    wanted = "MJCF" if "mujoco" in dialect.roots else "URDF"
+    if suffix in _MESHES:
+        return f"it is a mesh, not a {wanted} file; pass it to voxshell.Model.from_mesh"
+    if suffix == ".vxs":
+        return f"it is a model, not a {wanted} file; pass it to voxshell.Model.load"
+    return ""
+
+
+def _describe_counts(counts: Container[int]) -> str:
+    """Return the numbers that an attribute takes: "1 finite number", "3 or 4 finite numbers"."""
+    if not isinstance(counts, tuple):
+        return "only finite numbers"
+    return f"{join_choices(map(str, counts))} finite number{'' if counts == (1,) else 's'}"
 
 
 def _is_number(value: float) -> bool:

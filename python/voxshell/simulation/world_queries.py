@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.base.arguments import as_not_negative, as_points
+from voxshell.base.arguments import as_floats, as_not_negative
 from voxshell.errors import SettingsError
 from voxshell.model.shapes import Plane
 from voxshell.simulation.comparison_shapes import GImpact
@@ -55,7 +55,8 @@ class WorldQueries(WorldContents):
         first, last = _as_rows(starts, "starts"), _as_rows(ends, "ends")
         if first.shape != last.shape:
             raise SettingsError(
-                f"starts and ends must have the same shape, not {first.shape} and {last.shape}"
+                "starts and ends must have the same shape, not "
+                f"{np.shape(starts)} and {np.shape(ends)}"
             )
         for name, points in (("starts", first), ("ends", last)):
             if not np.isfinite(points).all():
@@ -199,9 +200,10 @@ class WorldQueries(WorldContents):
 
 def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return the points, (n, 3), of one or many rays."""
-    with suppress(TypeError, ValueError):  # as_points raises the error
-        value = np.atleast_2d(value)
-    return as_points(value, name)
+    with suppress(TypeError, ValueError):  # as_floats raises the error
+        if np.shape(value) == (3,):
+            value = np.atleast_2d(value)
+    return as_floats(value, name, (None, 3), meaning=" in meters, or (3,) for one ray,")
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:

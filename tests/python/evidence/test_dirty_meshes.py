@@ -119,7 +119,7 @@ def test_faulty_edges_are_counted_and_located(name: str, folder: Path):
     if expected.confidence is REFUSED:
         assert told.get("error") == "MeshError", "built"
         message = told["refused"]
-        assert "in doubt what the mesh has inside" in message
+        assert "the mesh's inside is ambiguous" in message
         assert "repair it" in message
     else:
         assert "warnings" in told, told["refused"]
@@ -171,7 +171,7 @@ def test_an_inverted_mesh_is_turned_with_a_warning(folder: Path, tmp_path: Path)
 def test_the_mesh_decides_whether_its_inside_is_in_doubt_and_not_the_voxels(folder: Path):
     sheet, part = "terrain.obj", "racecar/meshes/hokuyo.obj"
     for resolution in (10, 160):
-        assert "in doubt" in build(folder / sheet, np.zeros((1, 3)), resolution)["refused"]
+        assert "inside is ambiguous" in build(folder / sheet, np.zeros((1, 3)), resolution)["refused"]
         told = build(folder / part, np.zeros((1, 3)), resolution)
         assert told["confidence"] == pytest.approx(EDGE_FAULTS[part].confidence, abs=0.005)
 

@@ -115,6 +115,16 @@ def test_other_archives_are_refused(tmp_path: Path, header: bytes | None, messag
         Recording.load(path)
 
 
+@pytest.mark.parametrize("content", [b"", b"solid part", b"PK\3\4 cut"])
+def test_files_of_other_kinds_are_called_so_and_damaged_ones_are_not(tmp_path: Path, content: bytes):
+    path = tmp_path / "other.npz"
+    path.write_bytes(content)
+    with pytest.raises(vx.RecordingError) as refusal:
+        Recording.load(path)
+    is_damaged = content.startswith(b"PK")
+    assert str(refusal.value).endswith("it is not a recording (.npz)") == (not is_damaged)
+
+
 def test_pickles_are_not_read(tmp_path: Path):
     np.savez(tmp_path / "a.npz", header=np.array([{}], dtype=object), allow_pickle=True)
     with pytest.raises(vx.RecordingError, match="allow_pickle"):

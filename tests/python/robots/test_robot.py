@@ -51,6 +51,15 @@ def robot(world: vx.World, path: Path) -> vx.Robot:
     return vx.load_urdf(world, path)
 
 
+def test_wrong_names_of_parts_are_answered_with_those_that_there_are(robot):
+    with pytest.raises(KeyError, match="robot 'tester' has no link 'amr': did you mean 'arm'?"):
+        robot.links["amr"]
+    with pytest.raises(KeyError, match="robot 'tester' has no moving joint 'mount'; it has 'turn', "):
+        robot.joints["mount"]
+    with pytest.raises(KeyError, match="robot 'tester' has no ball joint 'a'; it has none"):
+        robot.ball_joints["a"]
+
+
 def test_present_positions_hold_the_robot_where_it_is(world, robot):
     robot.set_positions({"turn": 0.4, "lift": 0.2})
     held = dict(robot.positions)

@@ -223,12 +223,16 @@ def test_bounds_hold_the_mesh_tightly(ring, ring_mesh):
 def test_wrong_queries_are_refused(ring):
     world = vx.World()
     body = world.add(ring)
-    with pytest.raises(vx.SettingsError, match=r"same shape, not \(1, 3\) and \(2, 3\)"):
+    with pytest.raises(vx.SettingsError, match=r"same shape, not \(3,\) and \(2, 3\)"):
         world.ray_cast((0, 0, 0), [(0, 0, 1), (0, 0, 2)])
     with pytest.raises(vx.SettingsError, match="ends must be finite"):
         world.ray_cast((0, 0, 0), (0, 0, np.inf))
     with pytest.raises(vx.SettingsError, match="starts must be"):  # raised numpy's ValueError
         world.ray_cast([0, [0, 0]], (0, 0, 1))
+    with pytest.raises(vx.SettingsError, match=r"starts must be \(n, 3\) .* one ray, not \[0, 1\]$"):
+        world.ray_cast((0, 1), (0, 0, 1))
+    with pytest.raises(vx.SettingsError, match=r"ends must be .* not an array of shape \(1, 1, 3\)"):
+        world.ray_cast((0, 0, 1), [[(0, 0, 1)]])
     with pytest.raises(vx.SettingsError, match="margin must be at least 0"):
         world.query_contacts(body, margin=-1.0)
     with pytest.raises(vx.InputTypeError, match="b must be a Body, not Model"):

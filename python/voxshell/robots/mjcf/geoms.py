@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.base.arguments import FARTHEST
+from voxshell.base.arguments import FARTHEST, join_choices
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Collision, Primitive
 from voxshell.robots.mjcf.compiler import turn_z_to
@@ -126,7 +126,7 @@ def read_geom(
     bits = _read_bits(element, "contype"), _read_bits(element, "conaffinity")
     condim = element.number("condim")
     if condim is not None and condim not in _CONDIMS:
-        element.refuse(f"has a condim of {condim:g}; it must be {' or '.join(map(str, _CONDIMS))}")
+        element.refuse(f"has a condim of {condim:g}; it must be {join_choices(map(str, _CONDIMS))}")
     group = element.number("group") or 0.0
     first, last = part.compiler.groups
     weighs = first <= group <= last and kind != "plane"

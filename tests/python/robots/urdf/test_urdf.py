@@ -282,6 +282,9 @@ def test_robots_do_not_hit_themselves_unless_told(write):
 
 
 WRONG = {
+    'has <limit lower="low">; give 1 finite number': [
+        link("a"), link("b"), joint("x", "revolute", "a", "b", '<limit lower="low" upper="1"/>'),
+    ],
     "it is not valid XML": ["<link"],
     "it has no <link>": [],
     "link 'a' has a mass of -2 kg": [link("a", INERTIAL.replace('"2"', '"-2"'))],
@@ -322,6 +325,7 @@ def test_wrong_files_are_refused_by_name(write, message):
 
 
 OTHER_KINDS = {
+    "<COLLADA/>": "it is a <COLLADA>, not a <robot>: it is a mesh; pass it to voxshell.Model.from_mesh",
     '<mujoco model="m"/>': "it is a <mujoco>, not a <robot>: load MJCF files with load_mjcf",
     "<sdf version='1.6'/>": "it is a <sdf>, not a <robot>: SDF files are not read; convert it to URDF",
     '<robot name="r" xmlns:xacro="x"><xacro:include filename="a.xacro"/></robot>': "it has no <link>, "
@@ -336,6 +340,22 @@ def test_files_of_other_kinds_are_named(tmp_path, text):
     with pytest.raises(vx.RobotError, match=re.escape(OTHER_KINDS[text])) as refusal:
         vx.load_urdf(vx.World(), path)
     assert str(path) in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("part.stl", "it is a mesh, not a URDF file; pass it to voxshell.Model.from_mesh"),
+        ("part.OBJ", "it is a mesh, not a URDF file; pass it to voxshell.Model.from_mesh"),
+        ("part.vxs", "it is a model, not a URDF file; pass it to voxshell.Model.load"),
+        ("part.txt", "it is not valid XML: "),
+    ],
+)
+def test_meshes_and_models_are_not_called_damaged_xml(tmp_path, name, message):
+    path = tmp_path / name
+    path.write_bytes(b"solid part\0")
+    with pytest.raises(vx.RobotError, match=re.escape(f"{path}: {message}")):
+        vx.load_urdf(vx.World(), path)
 
 
 def test_damaged_meshes_are_named_with_their_link(write, tmp_path):
