@@ -25,10 +25,11 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
   const double last_row_error = std::max({std::abs(matrix[12]), std::abs(matrix[13]),
                                           std::abs(matrix[14]), std::abs(matrix[15] - 1.0)});
   if (last_row_error > kRigidTolerance) {
-    return Error{ErrorCode::kInvalidPose,
-                 format_text("pose's last row must be 0, 0, 0, 1, and is off by %.3g; pass a rigid, "
-                             "row-major world_from_body matrix",
-                             last_row_error)};
+    return Error{
+        ErrorCode::kInvalidPose,
+        format_text("pose's last row must be 0, 0, 0, 1, and is off by %.3g; pass a rigid, "
+                    "row-major world_from_body matrix",
+                    last_row_error)};
   }
   const Pose pose{{{matrix[0], matrix[1], matrix[2]},
                    {matrix[4], matrix[5], matrix[6]},
@@ -41,10 +42,11 @@ Result<Pose> Pose::from_matrix(const std::array<double, 16>& matrix) {
       std::max({std::abs(dot(x, x) - 1.0), std::abs(dot(y, y) - 1.0), std::abs(dot(z, z) - 1.0),
                 std::abs(dot(x, y)), std::abs(dot(y, z)), std::abs(dot(z, x))});
   if (orthonormal_error > kRigidTolerance) {
-    return Error{ErrorCode::kInvalidPose,
-                 format_text("pose's rotation is not orthonormal (error %.3g, at most 1e-6); scale the "
-                             "mesh, not the pose",
-                             orthonormal_error)};
+    return Error{
+        ErrorCode::kInvalidPose,
+        format_text("pose's rotation is not orthonormal (error %.3g, at most 1e-6); scale the "
+                    "mesh, not the pose",
+                    orthonormal_error)};
   }
   const Vec3& t = pose.translation;
   const double farthest = std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)});

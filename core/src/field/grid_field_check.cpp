@@ -102,8 +102,8 @@ Result<std::monostate> check_planes(const GridFieldData& data) {
     const Vec3f normal{data.planes[i], data.planes[i + 1], data.planes[i + 2]};
     if (!(std::abs(squared_length(normal) - 1.0f) <= kTolerance) ||
         !(std::abs(data.planes[i + 3]) <= static_cast<float>(kLargestLength))) {
-      return invalid(format_text(
-          "plane %zu: normal is not of unit length, or offset is too large", i / 4));
+      return invalid(
+          format_text("plane %zu: normal is not of unit length, or offset is too large", i / 4));
     }
   }
   return std::monostate{};

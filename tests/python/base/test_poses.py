@@ -35,7 +35,10 @@ def test_a_rotation_matrix_with_a_position():
     ("rotation", "message"),
     [
         (np.diag([1.0, 1.0, -1.0]), "rotation: it mirrors"),
-        (np.eye(3) * 1.01, r"rotation: the rotation is not orthonormal \(error 0.0201, at most 0.001\)"),
+        (
+            np.eye(3) * 1.01,
+            r"rotation: the rotation is not orthonormal \(error 0.0201, at most 0.001\)",
+        ),
         (np.eye(4), r"rotation must be \(3, 3\) numbers"),
         (np.full((3, 3), np.nan), "rotation: an entry is not finite"),
     ],
@@ -116,7 +119,10 @@ def test_rotations_a_little_off_become_the_nearest():
         (SCALED, r"not orthonormal \(error 0.0201, at most 0.001\); scale the mesh"),
         (np.diag([1.0, 1.0, -1.0, 1.0]), "mirrors .*mirror the mesh"),
         (np.diag([1.0, 1.0, -1.0001, 1.0]), "mirrors .*mirror the mesh"),
-        (vx.pose((1, 2, 3)).T, "last row must be 0, 0, 0, 1, and is off by 3; .* transposed, so pass pose\\.T"),
+        (
+            vx.pose((1, 2, 3)).T,
+            "last row must be 0, 0, 0, 1, and is off by 3; .* transposed, so pass pose\\.T",
+        ),
         ((0, 0, 0, 0, 0, 0, 2), "has length 2 instead of 1"),
         ((0, 0, math.nan), "not finite"),
         (np.eye(3), "not an array of shape \\(3, 3\\) and type float64; for a rotation"),

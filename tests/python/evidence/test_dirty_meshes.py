@@ -171,7 +171,9 @@ def test_an_inverted_mesh_is_turned_with_a_warning(folder: Path, tmp_path: Path)
 def test_the_mesh_decides_whether_its_inside_is_in_doubt_and_not_the_voxels(folder: Path):
     sheet, part = "terrain.obj", "racecar/meshes/hokuyo.obj"
     for resolution in (10, 160):
-        assert "inside is ambiguous" in build(folder / sheet, np.zeros((1, 3)), resolution)["refused"]
+        assert (
+            "inside is ambiguous" in build(folder / sheet, np.zeros((1, 3)), resolution)["refused"]
+        )
         told = build(folder / part, np.zeros((1, 3)), resolution)
         assert told["confidence"] == pytest.approx(EDGE_FAULTS[part].confidence, abs=0.005)
 

@@ -157,7 +157,10 @@ def test_a_faulty_surface_is_refused_where_it_must_be_closed(faces: np.ndarray, 
 @pytest.mark.parametrize(
     ("faces", "message"),
     [
-        (FACES[1:], r"surface: 3 open edges, the first near .* sign='winding' silences this warning$"),
+        (
+            FACES[1:],
+            r"surface: 3 open edges, the first near .* sign='winding' silences this warning$",
+        ),
         (FACES[:, ::-1], "inside out"),
     ],
     ids=["open", "inside out"],

@@ -35,7 +35,8 @@ def test_a_large_thin_plate_counts_by_its_wall():
     plate = vx.Model.from_mesh(trimesh.creation.box((0.3, 0.3, 0.0005)))
     ball = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.05), tolerance=2e-4)
     with pytest.warns(
-        vx.AccuracyWarning, match="of the thinner wall of 0.5 mm; build a to a tolerance below 0.0002 m"
+        vx.AccuracyWarning,
+        match="of the thinner wall of 0.5 mm; build a to a tolerance below 0.0002 m",
     ):
         vx.contacts(ball, plate)
 
@@ -76,6 +77,8 @@ def test_a_warning_of_a_world_names_bodies_and_the_model_to_refine():
     world.add(coarse, pose=(0, 0, 4), name="other")
     for side in (0.9, 0.8):
         mesh = trimesh.creation.box((side, side, side))
-        world.add(vx.Model.from_mesh(mesh, voxel_size=0.05, target_points=100), pose=(9 * side, 9, 9))
+        world.add(
+            vx.Model.from_mesh(mesh, voxel_size=0.05, target_points=100), pose=(9 * side, 9, 9)
+        )
     with pytest.warns(vx.AccuracyWarning, match=r"\(the worst of \d+ pairs of models\); build the"):
         world.step()

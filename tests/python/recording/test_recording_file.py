@@ -116,7 +116,9 @@ def test_other_archives_are_refused(tmp_path: Path, header: bytes | None, messag
 
 
 @pytest.mark.parametrize("content", [b"", b"solid part", b"PK\3\4 cut"])
-def test_files_of_other_kinds_are_called_so_and_damaged_ones_are_not(tmp_path: Path, content: bytes):
+def test_files_of_other_kinds_are_called_so_and_damaged_ones_are_not(
+    tmp_path: Path, content: bytes
+):
     path = tmp_path / "other.npz"
     path.write_bytes(content)
     with pytest.raises(vx.RecordingError) as refusal:

@@ -52,9 +52,11 @@ def robot(world: vx.World, path: Path) -> vx.Robot:
 
 
 def test_wrong_names_of_parts_are_answered_with_those_that_there_are(robot):
-    with pytest.raises(KeyError, match="robot 'tester' has no link 'amr': did you mean 'arm'?"):
+    with pytest.raises(KeyError, match=r"robot 'tester' has no link 'amr': did you mean 'arm'\?"):
         robot.links["amr"]
-    with pytest.raises(KeyError, match="robot 'tester' has no moving joint 'mount'; it has 'turn', "):
+    with pytest.raises(
+        KeyError, match="robot 'tester' has no moving joint 'mount'; it has 'turn', "
+    ):
         robot.joints["mount"]
     with pytest.raises(KeyError, match="robot 'tester' has no ball joint 'a'; it has none"):
         robot.ball_joints["a"]

@@ -390,7 +390,12 @@ def test_given_mass_properties_have_their_mass_unless_another_is_given():
 @pytest.mark.parametrize(
     ("mass", "center", "tensor", "message"),
     [
-        (1.0, np.zeros(3), np.diag([1.0, 1.0, 2.001]), "triangle inequality: its largest principal moment, 2.001 kg m2, exceeds"),
+        (
+            1.0,
+            np.zeros(3),
+            np.diag([1.0, 1.0, 2.001]),
+            "triangle inequality: its largest principal moment, 2.001 kg m2, exceeds",
+        ),
         (1.0, np.zeros(3), np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 2]]), "finite, symmetric and"),
         (1.0, np.zeros(3), np.diag([1.0, 1.0, np.nan]), "finite, symmetric and"),
         (1.0, np.zeros(3), np.zeros((3, 3)), "positive definite"),

@@ -519,7 +519,9 @@ def test_two_bodies_of_one_model_warn_once():
         warnings.simplefilter("error")
         world.step()  # there is nothing to meet yet
     world.add(sparse, pose=at(z=2.0))
-    with pytest.warns(vx.AccuracyWarning, match="^contacts between 'body 0' and 'body 1' may be missed"):
+    with pytest.warns(
+        vx.AccuracyWarning, match="^contacts between 'body 0' and 'body 1' may be missed"
+    ):
         world.step()
     for i in range(3):
         world.add(sparse, mass=i, pose=at(x=3.0 * (i + 1)))

@@ -229,9 +229,13 @@ def test_wrong_queries_are_refused(ring):
         world.ray_cast((0, 0, 0), (0, 0, np.inf))
     with pytest.raises(vx.SettingsError, match="starts must be"):  # raised numpy's ValueError
         world.ray_cast([0, [0, 0]], (0, 0, 1))
-    with pytest.raises(vx.SettingsError, match=r"starts must be \(n, 3\) .* one ray, not \[0, 1\]$"):
+    with pytest.raises(
+        vx.SettingsError, match=r"starts must be \(n, 3\) .* one ray, not \[0, 1\]$"
+    ):
         world.ray_cast((0, 1), (0, 0, 1))
-    with pytest.raises(vx.SettingsError, match=r"ends must be .* not an array of shape \(1, 1, 3\)"):
+    with pytest.raises(
+        vx.SettingsError, match=r"ends must be .* not an array of shape \(1, 1, 3\)"
+    ):
         world.ray_cast((0, 0, 1), [[(0, 0, 1)]])
     with pytest.raises(vx.SettingsError, match="margin must be at least 0"):
         world.query_contacts(body, margin=-1.0)

@@ -230,7 +230,8 @@ TEST(Sign, SheetsAreRefusedAtAnyVoxelSize) {
       const auto field = GridField::build(sheet, {.voxel_size = voxel_size});
       ASSERT_FALSE(field) << height << " " << voxel_size;
       EXPECT_EQ(field.error().code, ErrorCode::kInvalidMesh);
-      EXPECT_NE(field.error().message.find("inside is ambiguous"), std::string::npos) << field.error().message;
+      EXPECT_NE(field.error().message.find("inside is ambiguous"), std::string::npos)
+          << field.error().message;
     }
   }
 }

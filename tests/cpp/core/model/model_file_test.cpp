@@ -520,7 +520,8 @@ TEST(ModelBytes, WithPlanesThatAreNoneAreRefused) {
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), 2.0f, -3e38f}) {
     for (std::size_t i = 0; i < 4; ++i) {
       if (i == 3 && value == 2.0f) continue;  // an offset
-      expect_refused(with(kPlanes, i, value), "plane 0: normal is not of unit length, or offset is too large");
+      expect_refused(with(kPlanes, i, value),
+                     "plane 0: normal is not of unit length, or offset is too large");
     }
   }
   EXPECT_TRUE(from_bytes(with(kEntries, 0, (planes - 1) << 7 | 4u)));

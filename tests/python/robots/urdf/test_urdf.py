@@ -250,7 +250,8 @@ def test_links_that_cannot_collide_are_not_judged(write, tmp_path):
     plate = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.004)), resolution=100)
     world.add(plate, pose=(9, 0, 0))
     with pytest.warns(
-        vx.AccuracyWarning, match=r"^contacts between '.*' may be missed .* load robots with tolerance=0\.0002"
+        vx.AccuracyWarning,
+        match=r"^contacts between '.*' may be missed .* load robots with tolerance=0\.0002",
     ):
         world.step()
 
@@ -611,5 +612,7 @@ def test_a_warning_about_models_of_robots_begins_with_what_helps_robots(write, t
     assert "voxel_size=" not in str(caught[0].message)
     plate = vx.Model.from_mesh(trimesh.creation.box((1.0, 1.0, 0.0041)), resolution=100)
     world.add(plate, pose=(9, 0, 0))
-    with pytest.warns(vx.AccuracyWarning, match=r"tolerance=0\.0002, and build the model of 'body 2' to a to"):
+    with pytest.warns(
+        vx.AccuracyWarning, match=r"tolerance=0\.0002, and build the model of 'body 2' to a to"
+    ):
         world.step()
