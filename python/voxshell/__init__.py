@@ -1,4 +1,4 @@
-"""Collision of any mesh with any mesh at haptic rates, exactly as sampled.
+"""Collision of any mesh with any mesh, fast enough for haptics (1 kHz).
 
 A :class:`Model` is built once from a mesh. It consists of a signed distance field, a shell of
 points on the surface, and mass properties. Models and analytic shapes (:class:`Plane`,

@@ -15,7 +15,7 @@ from soak.worker import CaseError, Worker
 
 REGISTRY = "soak.tasks"
 DESCRIPTION = """\
-Holds every promise of voxshell to its oracle, in random cases, and counts.
+Checks every promise of voxshell against its oracle in random cases, and counts.
 
 Counters stay in build/soak, and --write puts them into docs/evidence.json: run the command again, here or
 elsewhere, to add to them, as often and as long as you like, and interrupt it with Ctrl-C whenever you
@@ -95,7 +95,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
         "--jobs",
         type=int,
         default=cores,
-        help=f"cases at the same time, by default {cores}: one a core",
+        help=f"cases at the same time, by default {cores}: one per core",
     )
     parser.add_argument(
         "--only", nargs="+", choices=list(TASKS), metavar="NAME", help="tasks to run"

@@ -32,7 +32,7 @@ def _describe_default(value: object) -> str | None:
 
 app = App(
     name="voxshell",
-    help="""Collision of any mesh with any mesh at haptic rates, exactly as sampled.
+    help="""Collision of any mesh with any mesh, fast enough for haptics (1 kHz).
 
     For example, from a mesh in millimeters to falling bodies:
 

@@ -13,6 +13,7 @@ from rich.markup import escape
 
 from voxshell.base.outputs import OF_WRITING
 from voxshell.cli.interrupts import raising_interrupts
+from voxshell.cli.option_names import find_command, list_options, name_options
 from voxshell.errors import FileAccessError, MissingExtraError, MissingFileError, VoxshellError
 from voxshell.model.cache import CacheWarning
 from voxshell.model.meshes import MeshWarning
@@ -33,8 +34,12 @@ def run(app: App, arguments: Sequence[str]) -> int:
         wrong; 130 after Ctrl-C.
     """
     _open_closed_streams()
+
+    def say(kind: str, text: str) -> None:
+        _say(kind, name_options(text, list_options(app, arguments)))
+
     with warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        warnings.showwarning = lambda message, *_, **__: say("warning", str(message))
         for ours in (CacheWarning, MeshWarning):
             warnings.simplefilter("always", ours)
         try:
@@ -47,7 +52,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
                 )
                 sys.stdout.flush()
         except CycloptsError as error:
-            hint = f"{' '.join(['voxshell', *_find_command(app, arguments)])} --help"
+            hint = f"{' '.join(['voxshell', *find_command(app, arguments)])} --help"
             _say("error", f"{_describe(error)} (see {hint})")
             return WRONG_USE
         except MissingFileError as error:
@@ -57,7 +62,7 @@ def run(app: App, arguments: Sequence[str]) -> int:
             _say("error", str(error))
             return FAILURE
         except VoxshellError as error:
-            _say("error", str(error))
+            say("error", str(error))
             return WRONG_USE
         except BrokenPipeError:
             # The reader of the output has ended; Python would report that again when it flushes.
@@ -86,23 +91,11 @@ def _open_closed_streams() -> None:
             setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115, until the process ends
 
 
-def _find_command(app: App, arguments: Sequence[str]) -> list[str]:
-    """Return the arguments' words that name a command, and one word after them."""
-    found = []
-    for word in arguments:
-        if word.startswith("-"):
-            continue
-        if word not in app:
-            break
-        found.append(word)
-        app = app[word]
-    return found
-
-
 def _describe(error: CycloptsError) -> str:
     if isinstance(error, UnusedCliTokensError) and error.unused_tokens:
         return f"too many arguments: {' '.join(error.unused_tokens)}"
-    return str(error).strip().rstrip(".")
+    text = str(error).strip()
+    return text if text.endswith("...") else text.removesuffix(".")
 
 
 def _describe_system_error(error: OSError) -> str:
@@ -110,10 +103,6 @@ def _describe_system_error(error: OSError) -> str:
     if error.filename is None and error.errno in OF_WRITING:
         return f"cannot write to standard output: {error.strerror}"
     return str(error)
-
-
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    _say("warning", str(message))
 
 
 def _say(kind: str, text: str) -> None:

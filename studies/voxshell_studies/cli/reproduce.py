@@ -41,10 +41,10 @@ class Options:
     Attributes:
         out: The folder to write into; finished parts that are there already are not run again.
         quick: Fewer orientations, phases and steps.
-        settings: A TOML file with a table an experiment; its keys override settings.
-        scheduler: Address of a Dask scheduler, such as tcp://10.0.0.1:8786: what is not timed runs
+        settings: A TOML file with one table per experiment; its keys override settings.
+        scheduler: Address of a Dask scheduler, such as tcp://10.0.0.1:8786: untimed parts run
             there.
-        jobs: Processes for what is not timed, figures included; one a core by default.
+        jobs: Processes for untimed parts and figures; one per core by default.
         json_only: Print the rows as JSON and nothing else.
     """
 

@@ -76,7 +76,7 @@ def _summarize(settings: EverydaySettings, lines: Sequence[Line]) -> list[Row]:
         )
         rows.append(
             Row(
-                f"measures within their bars, {ENGINE_NAMES[engine]}",
+                f"measures within their limits, {ENGINE_NAMES[engine]}",
                 None,
                 float(held),
                 f"of {count}",
@@ -88,7 +88,7 @@ def _summarize(settings: EverydaySettings, lines: Sequence[Line]) -> list[Row]:
     fair = [line for line in lines if line.holds("voxshell") or line.verdict == "falls short, best"]
     rows.append(
         Row(
-            "measures within their bars or no worse than the best of the others",
+            "measures within their limits or no worse than the best of the others",
             None,
             float(len(fair)),
             f"of {len(lines)}",
@@ -100,7 +100,7 @@ def _summarize(settings: EverydaySettings, lines: Sequence[Line]) -> list[Row]:
     kept = sum(bool(line.holds("voxshell")) for line in held_out)
     rows.append(
         Row(
-            "held-out measures within their bars",
+            "held-out measures within their limits",
             None,
             float(kept),
             f"of {len(held_out)}",

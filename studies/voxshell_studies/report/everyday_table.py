@@ -156,7 +156,7 @@ def format_bar(measure: Measure) -> str:
 
 
 def count_holding(lines: Sequence[Line], engine: Engine, rate: float | None) -> tuple[int, int]:
-    """Return the numbers of measures within their bars and of measures that an engine ran."""
+    """Return the numbers of measures within their limits and of measures that an engine ran."""
     told = [held for line in lines if (held := line.holds(engine, rate)) is not None]
     return sum(told), len(told)
 

@@ -202,7 +202,7 @@ DEMANDED = {
     "gears": ("turns of the driven gear", "deepest true overlap"),
     "accuracy": ("depth off the truth",),
     "geometry": ("first contact beyond the first touch", "answers wrong beyond the stated bounds"),
-    "everyday": ("measures within their bars, voxshell", "sliding and stopping, cube stops"),
+    "everyday": ("measures within their limits, voxshell", "sliding and stopping, cube stops"),
 }
 
 

@@ -236,12 +236,12 @@ def test_rows_tell_value_truth_error_bar_and_verdict(results):
     assert stop.holds is (stop.here <= 5.0)
     for word in ("worst", " of ", "200 Hz", "30 Hz", "Bullet's own shapes"):
         assert word in stop.note
-    ours = rows["measures within their bars, voxshell"]
+    ours = rows["measures within their limits, voxshell"]
     held = sum(bool(row.holds) for row in rows.values() if row.group)
     assert (ours.here, ours.unit) == (held, "of 5")
     # Half a period fits into 0.6 s, and a period needs three zeros.
     assert rows["pendulum on a hinge, period"].holds is False
-    assert rows["held-out measures within their bars"].holds is None
+    assert rows["held-out measures within their limits"].holds is None
 
 
 def test_held_out_rows_are_counted(results, monkeypatch):
