@@ -1,4 +1,4 @@
-"""``voxshell info``: properties of a mesh or a model, and suitable voxel sizes."""
+"""``voxshell info``: properties of a mesh or a model, and a suitable tolerance and voxel sizes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from voxshell.cli.bodies import describe_model, is_model_file, load_model, requi
 from voxshell.cli.model_facts import (
     MEASURED_FIELD,
     MEASURED_SHELL,
+    THINNEST,
     describe_facts,
     format_extents,
 )
@@ -24,6 +25,7 @@ from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import MeshError, SettingsError
 from voxshell.measuring.files import finite
 from voxshell.measuring.units import format_length, format_size, format_time
+from voxshell.model.build_settings import SHEET_OF_SIDE, choose_tolerance
 from voxshell.model.meshes import Mesh, MeshWarning, doubt_unit, read_mesh
 from voxshell.model.model import Model
 
@@ -44,10 +46,11 @@ def info(
     scale: float | None = None,
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Describe a mesh or a model file, and with --advise suggest voxel sizes.
+    """Describe a mesh or a model file, and with --advise recommend how to build it.
 
-    The advice estimates memory, points, the field's error, and the times to build and to query. It
-    measures coarse models on this machine and extrapolates to finer ones, which takes some seconds.
+    For most uses, the advice is the default tolerance. For uniform models, it estimates memory,
+    points, the field's error, and the times to build and to query over voxel sizes. It measures
+    coarse models on this machine and extrapolates to finer ones, which takes some seconds.
 
     For example:
 
@@ -57,7 +60,7 @@ def info(
 
     Args:
         file: A model file (.vxs), or a mesh file.
-        advise: Estimate what other voxel sizes and point spacings would cost.
+        advise: Recommend a tolerance, and estimate what uniform models would cost.
         scale: Factor that converts a mesh to meters: 0.001 for millimeters.
         json_only: Print only JSON, in meters, bytes and seconds.
     """
@@ -74,6 +77,8 @@ def info(
             "file_bytes": file.stat().st_size,
             "center_of_mass": matter.center_of_mass.tolist(),
         }
+        longest = float(np.ptp(model.bounds, axis=0).max())
+        tolerance = choose_tolerance(longest, model.thickness)
         facts = describe_facts(model)
         facts.append(("center of mass", _format_point(matter.center_of_mass)))
         facts.append(("file", format_size(file.stat().st_size)))
@@ -81,6 +86,7 @@ def info(
         require_file(file)
         mesh = read_mesh(file, scale)
         described, facts = _describe_mesh(mesh, file)
+        tolerance = described["default_tolerance"]
         if scale is None and (doubt := doubt_unit(file, mesh.vertices)):
             facts.append(("hint", doubt))
             described["hint"] = doubt
@@ -88,14 +94,21 @@ def info(
     estimates = _measure(mesh, console_quiet=json_only) if advise else []
     if json_only:
         if estimates:
-            described["advice"] = _describe_advice(estimates)
+            described["advice"] = _describe_advice(estimates, tolerance)
         print(json.dumps(finite(described)))
         return
     console.print(list_facts(facts))
     if estimates:
+        build = _write_command(file, scale)
+        console.print(
+            f"\nFor most uses, build to the default tolerance, {format_length(tolerance)}; a larger one makes\n"
+            f"a smaller model:\n{build}\n{build} --tolerance {2.0 * tolerance:.2g}\n\n"
+            "Uniform models have one size of voxels everywhere, and no elements for edges:",
+            soft_wrap=True,
+        )
         for table in _make_tables(estimates):
             console.print(table)
-        console.print(_explain(estimates, file, scale), soft_wrap=True)
+        console.print(_explain(estimates, build), soft_wrap=True)
 
 
 def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[str, str]]]:
@@ -109,12 +122,20 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
     complaints = [str(each.message) for each in caught if each.category is MeshWarning]
     volume, area = _measure_mesh(model.mesh)
     vertices, faces = model.mesh
+    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    thickness = model.thickness
+    *_, sheet = model._core.openings
+    if sheet > 0.0:  # its thickness, which is larger in a coarse model
+        thickness = min(thickness, SHEET_OF_SIDE * longest)
+    tolerance = choose_tolerance(longest, thickness)
     facts = [
         ("mesh", f"{len(faces):,} triangles, {len(vertices):,} vertices"),
         ("extents", format_extents(model.bounds)),
         ("from, to", " to ".join(_format_point(corner) for corner in model.bounds)),
         ("area", f"{area:.4g} m2"),
         ("volume", f"{volume:.4g} m3"),
+        (THINNEST, format_length(thickness)),
+        ("default tolerance", format_length(tolerance)),
         ("closed", "yes" if model.field.sign_method == "closed" else "no"),
         *(("warning", each) for each in complaints),
     ]
@@ -124,6 +145,8 @@ def _describe_mesh(mesh: Mesh, file: Path) -> tuple[dict[str, Any], list[tuple[s
         "bounds": model.bounds.tolist(),
         "area": area,
         "volume": volume,
+        "thickness": thickness,
+        "default_tolerance": tolerance,
         "closed": model.field.sign_method == "closed",
         "sign_confidence": model.field.sign_confidence,
         "warnings": complaints,
@@ -148,13 +171,14 @@ def _measure(mesh: Mesh, *, console_quiet: bool) -> list[Estimate]:
         return estimate(mesh, track.update)
 
 
-def _describe_advice(estimates: list[Estimate]) -> dict[str, Any]:
+def _describe_advice(estimates: list[Estimate], tolerance: float) -> dict[str, Any]:
     from voxshell.cli.advice import recommend
 
     best = recommend(estimates)
     return {
+        "recommended": {"tolerance": tolerance},
         "estimates": [asdict(each) for each in estimates],
-        "recommended": {"voxel_size": best.size, "point_spacing": best.size},
+        "recommended_uniform": {"voxel_size": best.size, "point_spacing": best.size},
     }
 
 
@@ -195,7 +219,15 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
     return [fields, shells]
 
 
-def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
+def _write_command(file: Path, scale: float | None) -> str:
+    """Return the command that builds a model to the default tolerance."""
+    if is_model_file(file):
+        return f"  voxshell build MESH -o {file.name}"
+    arguments = "" if scale is None else f" --scale {scale:g}"
+    return f"  voxshell build {file}{arguments} -o {file.with_suffix('.vxs').name}"
+
+
+def _explain(estimates: list[Estimate], build: str) -> str:
     from voxshell.cli.advice import (
         MOST_BUILD_SECONDS,
         MOST_BYTES,
@@ -204,25 +236,17 @@ def _explain(estimates: list[Estimate], file: Path, scale: float | None) -> str:
     )
 
     best = recommend(estimates)
-    arguments = "" if scale is None else f" --scale {scale:g}"
-    command = f"  voxshell build {file}{arguments} -o {file.with_suffix('.vxs').name}"
-    if is_model_file(file):
-        command = f"  voxshell build MESH -o {file.name}"
     return "\n".join(
         [
             f"{MEASURED_FIELD:16} measured: 99 % of the surface has a smaller error",
-            f"{MEASURED_SHELL:16} measured: 99 % of it stands out less above the shell",
-            f"{'proved':16} bound on that error; on the way from surface to shell",
+            f"{MEASURED_SHELL:16} measured: the shell misses less depth on 99 % of the surface",
+            f"{'proved':16} proven bound of that error; of the distance to the shell",
             f"{'to build':16} field and shell of that size, on this machine",
             f"{'contacts':16} median of two such bodies that touch; likewise yes or no",
             f"{'~':16} extrapolated from coarser models",
-            f"{'*':16} the finest built in {MOST_BUILD_SECONDS:g} s that takes "
-            f"{format_size(MOST_BYTES)} and {format_time(MOST_QUERY_SECONDS)}:",
-            f"{command} --voxel-size {best.size:.4g}",
-            "These are uniform models. Without sizes, a model is built to a tolerance:",
-            "edges and corners are elements of its shell, and cells at creases and in",
-            "thin walls are exact. For most uses:",
-            command,
+            f"{'*':16} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
+            f"and {format_time(MOST_QUERY_SECONDS)}:",
+            f"{build} --voxel-size {best.size:.4g}",
         ]
     )
 

@@ -22,6 +22,9 @@ MEASURED_FIELD = "field off by"
 MEASURED_SHELL = "surface seen to"
 """Measured heights of the surface above the shell."""
 
+THINNEST = "thinnest wall"
+"""Thickness of the thinnest walls."""
+
 PROVED = "proved bound"
 """Proven bounds, which hold everywhere and are usually much larger than measured errors."""
 
@@ -39,7 +42,7 @@ def describe_facts(model: Model) -> list[tuple[str, str]]:
         ("voxel size", format_length(field.voxel_size)),
         ("shell", f"{len(shell):,} points, {shell.tree.levels} levels of clusters"),
         ("point spacing", format_length(shell.spacing)),
-        ("thickness", format_length(model.thickness)),
+        (THINNEST, format_length(model.thickness)),
         *describe_accuracy(model),
     ]
 

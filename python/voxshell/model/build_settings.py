@@ -9,6 +9,27 @@ from voxshell.errors import SettingsError
 
 _LARGEST_INT = 2**31 - 1
 
+# The default tolerance, as choose_tolerance() in core/src/model/model.cpp has it.
+_OF_SIDE, _OF_LARGE_SIDE, _OF_THICKNESS = 1.0 / 2000.0, 1.0 / 20000.0, 1.0 / 20.0
+_LARGE = 0.0002  # meters
+SHEET_OF_SIDE = 1.0 / 200.0
+"""Default thickness of sheets as a fraction of the longest side, in models by tolerance."""
+
+
+def choose_tolerance(longest: float, thickness: float) -> float:
+    """Return the tolerance that a model gets by default, meters.
+
+    Args:
+        longest: Longest side of the mesh, meters.
+        thickness: Of its thinnest wall, meters.
+
+    Example:
+        >>> choose_tolerance(0.06, 0.002), choose_tolerance(0.06, 0.0002)
+        (3e-05, 1e-05)
+    """
+    by_side = min(_OF_SIDE * longest, max(_LARGE, _OF_LARGE_SIDE * longest))
+    return min(by_side, _OF_THICKNESS * thickness) if thickness > 0.0 else by_side
+
 
 def as_settings(
     *,

@@ -113,8 +113,8 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
     found.append(
         _fault(
             f"mesh is not one closed surface: {defect}, the first near [{place}] meters; {handling}, "
-            f"with a confidence of {grid.sign_confidence:.3f}{union and '; '}{union}; repair the mesh; "
-            f"sign='winding' silences this warning{more[0]}",
+            f"with a confidence of {grid.sign_confidence:.3f}{union and '; '}{union}{more[0]}; "
+            "repair the mesh; sign='winding' silences this warning",
             f"{defect}{more[1]}",
             f"{handling}{union and ', and '}{union}{more[2]}",
         )

@@ -42,7 +42,8 @@ def test_faults_are_warned_of_without_a_place_in_the_code(voxshell, tmp_path):
     ended = voxshell("build", tmp_path / "open.ply", "-o", tmp_path / "m.vxs", "--resolution", 20)
     assert ended.code == 0
     [warning] = [line for line in ended.err.splitlines() if line.startswith("warning: ")]
-    assert "3 open" in warning
+    assert "3 open edges" in warning
+    assert "; repair the mesh; --sign winding silences this warning" in warning
     assert ".py" not in ended.err
     quiet = ("--sign", "winding", "--json")
     ended = voxshell(

@@ -36,6 +36,32 @@ def test_mesh_is_measured(voxshell, cone_path):
     assert "--scale" not in voxshell("info", cone_path, "--scale", "0.001").out
 
 
+THIN_PARTS = {
+    "box": trimesh.creation.box((0.06, 0.04, 0.002)),
+    "foil": trimesh.creation.box((0.06, 0.04, 0.0001)),
+    "hall": trimesh.creation.box((30.0, 10.0, 8.0)),
+    "bench": trimesh.creation.box((3.0, 1.0, 1.0)),
+    "sheet": trimesh.creation.cylinder(0.01, 0.03)
+    .slice_plane((0, 0, 0), (0, 0, 1))
+    .slice_plane((0, 0, 0.01), (0, 0, -1)),
+}
+
+
+@pytest.mark.parametrize("part", THIN_PARTS)
+def test_the_thinnest_wall_and_the_default_tolerance_are_those_of_a_build(voxshell, tmp_path, part):
+    path = tmp_path / "part.ply"
+    THIN_PARTS[part].export(path)
+    told = voxshell("info", path, "--json").json
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = vx.Model.from_mesh(path, cache=False)
+    assert told["thickness"] == pytest.approx(model.thickness, rel=1e-6)
+    assert told["default_tolerance"] == pytest.approx(model.tolerance, rel=1e-6)
+    text = voxshell("info", path).out
+    assert re.search(r"^thinnest wall +\d", text, re.M)
+    assert re.search(r"^default tolerance +\d", text, re.M)
+
+
 def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
     box = trimesh.creation.box()
     trimesh.Trimesh(box.vertices, box.faces[:-1]).export(tmp_path / "open.ply")
@@ -160,14 +186,19 @@ def test_advice_is_printed_and_can_be_followed(voxshell, cone_path, tmp_path, mo
     commands = [line for line in ended.out.splitlines() if line.startswith("  voxshell build")]
     assert max(len(line) for line in ended.out.splitlines() if line not in commands) <= 80
     monkeypatch.chdir(tmp_path)
-    uniform, default = (command.split()[1:] for command in commands)
-    assert voxshell(*default).code == 0
-    assert vx.Model.load(tmp_path / "cone.vxs").tolerance is not None
+    default, larger, uniform = (command.split()[1:] for command in commands)
+    assert "--tolerance" in larger
+    assert ended.out.index("default tolerance, 30.0 µm") < ended.out.index(" ".join(uniform))
+    for command, expected in ((default, 3e-5), (larger, 6e-5)):
+        assert voxshell(*command).code == 0
+        tolerance = vx.Model.load(tmp_path / "cone.vxs").tolerance
+        assert tolerance == pytest.approx(expected, rel=0.01)
     assert voxshell(*uniform).code == 0
     told = voxshell("info", cone_path, "--scale", "0.001", "--advise", "--json").json["advice"]
     assert [each["measured"] for each in told["estimates"]] == [True, False]
     size = vx.Model.load(tmp_path / "cone.vxs").field.voxel_size
-    assert told["recommended"]["voxel_size"] == pytest.approx(size, rel=1e-3)
+    assert told["recommended"] == {"tolerance": pytest.approx(3e-5)}
+    assert told["recommended_uniform"]["voxel_size"] == pytest.approx(size, rel=1e-3)
 
 
 def test_a_long_mesh_is_doubted_in_json_too(voxshell, tmp_path):

@@ -42,8 +42,14 @@ COMMANDS = [
     ("build cone.stl -o x.vxs --voxel-size nan", "--voxel-size must be finite"),
     ("build cone.stl -o x.vxs --voxel-size 2mm", 'unable to convert "2mm" into float'),
     ("build cone.stl -o x.vxs --voxel-size 1e-6", "voxel size"),
-    ("build cone.stl -o x.vxs --voxel-size 1 --resolution 9", "either --voxel-size or --resolution"),
-    ("build cone.stl -o x.vxs --point-spacing 1 --target-points 9", "either --point-spacing or --target-points"),
+    (
+        "build cone.stl -o x.vxs --voxel-size 1 --resolution 9",
+        "either --voxel-size or --resolution",
+    ),
+    (
+        "build cone.stl -o x.vxs --point-spacing 1 --target-points 9",
+        "either --point-spacing or --target-points",
+    ),
     ("build cone.stl -o x.vxs --resolution 1", "resolution must be at least 2"),
     ("build cone.stl -o x.vxs --target-points 0", "--target-points must be at least 1"),
     ("build cone.stl -o x.vxs --scale -1", "scale must be above 0"),
@@ -73,7 +79,10 @@ COMMANDS = [
     ("query cone.vxs cone.vxs --pose 1 2 x", 'unable to convert "x" into float'),
     ("query cone.vxs cone.vxs --pose 0 0 0 1 1 0 0", "has length 1.41421 instead of 1"),
     ("query cone.vxs cone.vxs --pose 0 0 nan", "pose: position has an entry that is not finite"),
-    ("query cone.vxs cone.vxs --pose 2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "rotation is not orthonormal (error 3, at most 0.001)"),
+    (
+        "query cone.vxs cone.vxs --pose 2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1",
+        "rotation is not orthonormal (error 3, at most 0.001)",
+    ),
     ("query cone.vxs cone.vxs --pose 0 0 0 --poses poses.csv", "either pose or poses"),
     ("query cone.vxs cone.vxs --poses missing.csv", "cannot read missing.csv: it does not exist"),
     ("query cone.vxs cone.vxs --poses poses.csv", "poses.csv:3: not all entries are numbers"),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import signal
 import struct
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -170,6 +171,24 @@ def test_a_faulty_surface_is_taken_with_a_warning(faces: np.ndarray, message: st
         model = vx.Model.from_mesh((VERTICES, faces), resolution=10, open="solid", cache=False)
     assert (model.field.sample(np.mean(VERTICES, axis=0)[None, :]) < 0).all()
     assert (model.field.sample([[3.0, 3.0, 3.0]]) > 0).all()
+
+
+def test_parts_that_overlap_are_said_to_become_their_union():
+    boxes = [trimesh.creation.box().apply_translation((x, x, x)) for x in (0.0, 0.3)]
+    for sizes in ({"resolution": 20}, {"resolution": 40}, {}):
+        with pytest.warns(vx.MeshWarning) as caught:
+            vx.Model.from_mesh(trimesh.util.concatenate(boxes), cache=False, **sizes)
+        text = str(caught[0].message)
+        assert (
+            "surface: overlapping parts (12 triangles wholly or partly inside others), the" in text
+        )
+        assert (
+            "; the model is the union of its parts; repair the mesh; sign='winding' silences"
+            in text
+        )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", vx.MeshWarning)
+        vx.Model.from_mesh(trimesh.util.concatenate(boxes), sign="winding", cache=False)
 
 
 @pytest.mark.parametrize("sign", ["open", "", None, 1])
