@@ -203,7 +203,7 @@ def _as_rows(value: ArrayLike, name: str) -> NDArray[np.float64]:
     with suppress(TypeError, ValueError):  # as_floats raises the error
         if np.shape(value) == (3,):
             value = np.atleast_2d(value)
-    return as_floats(value, name, (None, 3), meaning=" in meters, or (3,) for one ray,")
+    return as_floats(value, name, (None, 3), meaning=" in meters, or (3,) for one ray")
 
 
 def _refuse_unanswered(a: Body, b: Body) -> None:
