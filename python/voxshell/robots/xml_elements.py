@@ -230,11 +230,11 @@ def _parse(path: str, data: bytes, dialect: Dialect) -> Element:
 def _find_kind(path: str, dialect: Dialect) -> str:
     """Return what a file that is not XML is, by its suffix, and what to do; "" if that is unknown."""
     suffix = os.path.splitext(path)[1].lower()
-    wanted = "MJCF" if "mujoco" in dialect.roots else "URDF"
+    wanted = "an MJCF file" if "mujoco" in dialect.roots else "a URDF file"
     if suffix in _MESHES:
-        return f"it is a mesh, not a {wanted} file; pass it to voxshell.Model.from_mesh"
+        return f"it is a mesh, not {wanted}; pass it to voxshell.Model.from_mesh"
     if suffix == ".vxs":
-        return f"it is a model, not a {wanted} file; pass it to voxshell.Model.load"
+        return f"it is a model, not {wanted}; pass it to voxshell.Model.load"
     return ""
 
 

@@ -157,7 +157,7 @@ class WorldContents:
             InputTypeError: ``shape`` cannot be simulated, or ``inertia``, ``material`` or ``name``
                 has an unsupported type.
             SettingsError: A number is out of range, or a plane is not static. Or the tensor of
-                ``inertia`` is that of no body: not symmetric or not positive definite, or its
+                ``inertia`` is not symmetric or not positive definite, or its
                 largest principal moment exceeds the sum of the other two. Or
                 ``surface_velocity`` is not 0, and the body is not kinematic, the solver is not
                 "coulomb", or ``friction_directions`` is 1.

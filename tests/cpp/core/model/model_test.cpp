@@ -248,6 +248,10 @@ TEST(Model, RefusesBeforeItWorks) {
   expect_error_at_once(box, {.voxel_size = 2e-4}, ErrorCode::kTooLarge, "at least");
   expect_error_at_once(box, {.voxel_size = 1e-9}, ErrorCode::kInvalidMesh, "single precision");
   expect_error_at_once(box, {.tolerance = 1e-8}, ErrorCode::kInvalidMesh, "single precision");
+  Soup far = make_box({0.5, 0.5, 0.5});
+  for (Vec3& vertex : far.vertices) vertex.x += 1e6;
+  expect_error_at_once(far.mesh(), {.voxel_size = 0.1}, ErrorCode::kInvalidMesh,
+                       "check its unit, or move it to its origin (put the offset in the pose)");
   expect_error_at_once(box, {.resolution = 100, .point_spacing = 1e-5}, ErrorCode::kTooLarge,
                        "point shell");
   expect_error_at_once(box, {.resolution = 100, .point_spacing = 0.1, .target_points = 7},

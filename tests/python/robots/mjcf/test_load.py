@@ -78,3 +78,12 @@ def test_a_robot_can_be_removed(write):
     ).remove()
     assert world.bodies == ()
     assert world.joints == ()
+
+
+def test_a_mesh_is_not_called_damaged_xml(tmp_path):
+    path = tmp_path / "part.stl"
+    path.write_bytes(b"solid part")
+    with pytest.raises(
+        vx.RobotError, match=r"it is a mesh, not an MJCF file; pass it to voxshell\.Mo"
+    ):
+        vx.load_mjcf(vx.World(), path)
