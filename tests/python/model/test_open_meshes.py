@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from poses import at
 from splinters import make_open_splinter
 
 
@@ -20,12 +21,6 @@ def bowl(radius: float = 0.1) -> trimesh.Trimesh:
     ball = trimesh.creation.icosphere(subdivisions=4, radius=radius)
     low = (ball.vertices[ball.faces][:, :, 2] < 1e-6).all(axis=1)
     return trimesh.Trimesh(ball.vertices, ball.faces[low])
-
-
-def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
 
 
 def quietly(mesh: trimesh.Trimesh, **options: object) -> vx.Model:

@@ -6,7 +6,7 @@ import warnings
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved
+from poses import at
 from voxshell.query.accuracy_warning import Missing
 
 
@@ -14,7 +14,7 @@ def test_an_automatic_pair_that_may_miss_much_warns_once(cube: vx.Model):
     sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=100)
     with pytest.warns(vx.AccuracyWarning, match="may be missed up to .* mm deep") as caught:  # noqa: PT031
         vx.contacts(sparse, cube)
-        vx.collide(sparse, cube, moved(x=3.0))
+        vx.collide(sparse, cube, at(x=3.0))
         vx.distance(sparse, cube)
         vx.contacts_batch(sparse, cube)
     assert len(caught) == 1

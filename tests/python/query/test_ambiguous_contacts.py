@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved, random_poses
+from poses import at, random_poses
 
 
 @pytest.mark.parametrize("shell", ["auto", "both"])
@@ -48,7 +48,7 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
     nearest = vx.distance(cube, cube, shell="both")
     assert nearest.distance == -found.depths.max()
     assert len(vx.contacts(cube, cube, shell="both", max_points=1)) == 1
-    apart = vx.contacts(cube, cube, moved(0.9), shell="both")
+    apart = vx.contacts(cube, cube, at(0.9), shell="both")
     assert len(apart) > 0
     # Only places that are as near to two faces of the other cube may be ambiguous.
     assert apart.ambiguous.sum() <= 2
@@ -66,7 +66,7 @@ def sweep_depths(model: vx.Model, thickness: float, *, at: tuple[float, float] =
     """Contacts of a cube that is sunk into a wall, to fractions of half of its thickness."""
     cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
     for fraction in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
-        pose = moved(*at, 0.01 + 0.5 * thickness * (1.0 - fraction))
+        pose = at(*at, 0.01 + 0.5 * thickness * (1.0 - fraction))
         found = vx.contacts(cube, model, pose, shell="a")
         depths = 2.0 * found.depths / thickness
         below = (found.points_a[:, 2] < pose[2, 3] - 0.0099) & (depths > 0.9 * fraction)
@@ -94,7 +94,7 @@ def test_contacts_of_a_cube_that_stands_on_another_are_not_ambiguous(cube: vx.Mo
     exact = vx.Model.from_mesh(trimesh.creation.box())
     for model in (cube, exact):
         for depth in (1e-7, 1e-4, 0.01):
-            found = vx.contacts(model, model, moved(z=1.0 - depth), shell="both", margin=0.001)
+            found = vx.contacts(model, model, at(z=1.0 - depth), shell="both", margin=0.001)
             assert len(found) > 4
             assert not found.ambiguous.any()
 
@@ -102,6 +102,6 @@ def test_contacts_of_a_cube_that_stands_on_another_are_not_ambiguous(cube: vx.Mo
 def test_ambiguous_contacts_stay_in_manifolds():
     plate = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.001)))
     cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
-    found = vx.contacts(cube, plate, moved(z=0.01))
+    found = vx.contacts(cube, plate, at(z=0.01))
     assert found.manifold().ambiguous.any()
     assert not found.ambiguous.flags.writeable

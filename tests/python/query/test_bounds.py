@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved
+from poses import at
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +59,8 @@ def test_bounds_are_those_of_the_meshes():
     # The icosphere's own vertices are on the ball, one of them below its center.
     low = 0.05 - ball.mesh.vertices[:, 2].min()
     assert 0.0 < bounds.clearance <= bounds.overlap < 2e-4
-    assert vx.collide(ball, slab, moved(0.1, 0.2, low - bounds.overlap))
-    assert not vx.collide(ball, slab, moved(0.1, 0.2, low + bounds.clearance))
+    assert vx.collide(ball, slab, at(0.1, 0.2, low - bounds.overlap))
+    assert not vx.collide(ball, slab, at(0.1, 0.2, low + bounds.clearance))
     uniform = vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.02), voxel_size=0.001)
     error = uniform.field.interpolation_error
     assert vx.contact_bounds(uniform, uniform, shell="both").overlap == pytest.approx(

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved
+from poses import at
 
 
 @pytest.mark.parametrize("shell", ["a", "b", "both"])
 def test_a_budget_says_what_it_may_have_missed(ball: vx.Model, cube: vx.Model, shell: str):
     inexact = 0
     for height in (0.45, 0.55, 0.599, 0.7):
-        pose = moved(0.05, 0.02, height)
+        pose = at(0.05, 0.02, height)
         everything = vx.contacts(ball, cube, pose, shell=shell)
         keys = list(zip(everything.shells.tolist(), everything.ids.tolist(), strict=True))
         rows_of = {key: row for row, key in enumerate(keys)}
@@ -34,7 +34,7 @@ def test_a_budget_says_what_it_may_have_missed(ball: vx.Model, cube: vx.Model, s
 
 def test_no_budget_hides_what_is_deeper_than_its_bound(ball: vx.Model, box: vx.Model):
     for x in np.linspace(0.0, 0.7, 30):
-        pose = moved(x, 0.03, 0.01)
+        pose = at(x, 0.03, 0.01)
         for shell in ("fewest", "auto"):
             everything = vx.contacts(ball, box, pose, shell=shell)
             for budget in (1, 2, 5, 20, 100):
@@ -62,7 +62,7 @@ def count_nodes(a: vx.Model, b: vx.Model, pose: np.ndarray) -> int:
 def test_work_grows_less_than_the_points(cube: vx.Model):
     """A flat loop looks at all points: the exponent of its work is 1."""
     mesh = trimesh.creation.icosphere(4, radius=0.1)
-    pose = moved(0.05, 0.02, 0.5982)
+    pose = at(0.05, 0.02, 0.5982)
     points, nodes = [], []
     for target_points in (1_000, 4_000, 16_000, 64_000):
         model = vx.Model.from_mesh(mesh, voxel_size=0.005, target_points=target_points)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved, turned
+from poses import at, turned
 
 
 @pytest.mark.parametrize("height", [0.5, 0.2, 0.1001, 0.1, 0.05, -0.3])
 def test_a_ball_and_the_ground(ball: vx.Model, height: float):
-    nearest = vx.distance(ball, vx.Plane(), moved(3.0, 4.0, height))
+    nearest = vx.distance(ball, vx.Plane(), at(3.0, 4.0, height))
     # The ball has facets, whose lowest corner is at its pole.
     np.testing.assert_allclose(nearest.distance, height - 0.1, atol=1e-6)
     np.testing.assert_allclose(nearest.point_a, [3.0, 4.0, height - 0.1], atol=5e-3)
@@ -22,7 +22,7 @@ def test_a_ball_and_the_ground(ball: vx.Model, height: float):
 @pytest.mark.parametrize("shell", ["auto", "fewest", "a", "b", "both"])
 def test_two_balls(ball: vx.Model, gap: float, shell: str):
     direction = np.array([2.0, -1.0, 2.0]) / 3.0
-    nearest = vx.distance(ball, ball, moved(*((0.2 + gap) * direction)), shell=shell)
+    nearest = vx.distance(ball, ball, at(*((0.2 + gap) * direction)), shell=shell)
     assert gap - 2e-3 <= nearest.distance <= gap + np.sqrt(3.0) * ball.shell.spacing + 1e-3
     assert nearest.normal @ direction > 0.95
     if shell in ("a", "b"):
@@ -34,8 +34,8 @@ def test_the_parts_fit_together(ball: vx.Model, cube: vx.Model):
     overlapping = 0
     for _ in range(200):
         axis = tuple(rng.normal(size=3))
-        pose = moved(*rng.uniform(-0.8, 0.8, 3)) @ turned(axis, rng.uniform(0, 3))
-        other = moved(*rng.uniform(-0.1, 0.1, 3)) @ turned(axis, 1.0)
+        pose = at(*rng.uniform(-0.8, 0.8, 3)) @ turned(axis, rng.uniform(0, 3))
+        other = at(*rng.uniform(-0.1, 0.1, 3)) @ turned(axis, 1.0)
         for shell in ("auto", "a", "b", "both"):
             nearest = vx.distance(ball, cube, pose, other, shell=shell)
             np.testing.assert_allclose(np.linalg.norm(nearest.normal), 1.0, atol=1e-6)
@@ -55,7 +55,7 @@ def test_the_parts_fit_together(ball: vx.Model, cube: vx.Model):
 
 
 def test_swapped_bodies_mirror_the_answer(ball: vx.Model, cube: vx.Model):
-    pose, other = moved(0.05, 0.02, 0.8) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
+    pose, other = at(0.05, 0.02, 0.8) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
     forth = vx.distance(ball, cube, pose, other)
     back = vx.distance(cube, ball, other, pose)
     assert forth.distance == back.distance > 0.1
@@ -65,14 +65,14 @@ def test_swapped_bodies_mirror_the_answer(ball: vx.Model, cube: vx.Model):
 
 
 def test_of_both_shells_the_nearer_counts(ball: vx.Model, cube: vx.Model):
-    pose = moved(0.05, 0.02, 0.8)
+    pose = at(0.05, 0.02, 0.8)
     one, other = (vx.distance(ball, cube, pose, shell=shell) for shell in ("a", "b"))
     both = vx.distance(ball, cube, pose, shell="both")
     assert both.distance == min(one.distance, other.distance) != max(one.distance, other.distance)
 
 
 def test_nothing_nearer_than_asked_for_is_infinitely_far(ball: vx.Model):
-    pose = moved(z=0.2)
+    pose = at(z=0.2)
     exactly = vx.distance(ball, vx.Plane(), pose).distance
     for max_distance in (0.05, -1.0, 0.0, exactly):
         nearest = vx.distance(ball, vx.Plane(), pose, max_distance=max_distance)
@@ -88,7 +88,7 @@ def test_nothing_nearer_than_asked_for_is_infinitely_far(ball: vx.Model):
 def test_far_apart_it_is_the_distance_of_the_origins(ball: vx.Model, cube: vx.Model):
     for far in (1e3, 1e6, 1e12, 1e15):
         for other in (cube, vx.Box((1, 1, 1)), vx.Sphere(1.0), vx.Plane()):
-            nearest = vx.distance(ball, other, moved(z=far))
+            nearest = vx.distance(ball, other, at(z=far))
             np.testing.assert_allclose(nearest.distance, far, rtol=0.01)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from poses import moved, random_poses, turned
+from poses import at, random_poses, turned
 from queries import SEARCHES, wrench
 
 # ---- fewest --------------------------------------------------------------------------------------
@@ -17,16 +17,14 @@ def test_fewest_takes_the_shell_with_fewer_points(ball: vx.Model, cube: vx.Model
     smaller = "a" if len(ball.shell) < len(cube.shell) else "b"
     larger = "b" if smaller == "a" else "a"
     for height in (0.55, 2.0):
-        assert vx.contacts(ball, cube, moved(z=height), shell="fewest").shell == smaller
-        assert vx.contacts(cube, ball, None, moved(z=height), shell="fewest").shell == larger
+        assert vx.contacts(ball, cube, at(z=height), shell="fewest").shell == smaller
+        assert vx.contacts(cube, ball, None, at(z=height), shell="fewest").shell == larger
     assert vx.contacts(ball, ball, shell="fewest").shell == "a"
 
 
 def test_fewest_finds_a_body_inside_one_with_fewer_points(ball: vx.Model, box: vx.Model):
-    poses = np.stack(
-        [moved(x, 0.1, -0.2) @ turned((1, 2, 3), x) for x in np.linspace(-0.3, 0.3, 9)]
-    )
-    world = moved(1.0, 2.0, 3.0) @ turned((0, 1, 1), 0.5)
+    poses = np.stack([at(x, 0.1, -0.2) @ turned((1, 2, 3), x) for x in np.linspace(-0.3, 0.3, 9)])
+    world = at(1.0, 2.0, 3.0) @ turned((0, 1, 1), 0.5)
     for pose in poses:
         for ball_is, box_is, arguments in (
             ("a", "b", (ball, box, world @ pose, world)),
@@ -66,13 +64,13 @@ def test_fewest_is_the_body_that_fits_between_the_points_of_the_other(ball: vx.M
     sparse = vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05, target_points=100)
     assert len(sparse.shell) < len(ball.shell)
     # Through a face, between its points.
-    assert vx.contacts(sparse, ball, None, moved(0.05, 0.05, 0.55), shell="fewest").shell == "b"
-    assert vx.contacts(ball, sparse, moved(0.05, 0.05, 0.55), shell="fewest").shell == "a"
+    assert vx.contacts(sparse, ball, None, at(0.05, 0.05, 0.55), shell="fewest").shell == "b"
+    assert vx.contacts(ball, sparse, at(0.05, 0.05, 0.55), shell="fewest").shell == "a"
 
 
 def test_a_batch_of_fewest_changes_roles_pose_by_pose(ball: vx.Model, box: vx.Model):
     # From outside through a face into the middle: none, the box's points, then the ball's.
-    poses = np.stack([moved(0.0, 0.0, z) for z in np.linspace(0.7, 0.0, 200)])
+    poses = np.stack([at(0.0, 0.0, z) for z in np.linspace(0.7, 0.0, 200)])
     batch = vx.contacts_batch(box, ball, None, poses, shell="fewest")
     shells = [contacts.shell for contacts in batch]
     assert {"a", "b"} == set(shells)
@@ -112,7 +110,7 @@ def test_contacts_of_b_and_a_are_those_of_a_and_b_turned_round(ball, cube, needl
     hits = 0
     for one, other in ((ball, cube), (needle, cube), (cube, needle)):
         for pose in random_poses(40, 0.6):
-            world = moved(0.1, 0.2, 0.3)
+            world = at(0.1, 0.2, 0.3)
             there = vx.contacts(one, other, world @ pose, world, shell=shell, level=3)
             back = vx.contacts(other, one, world, world @ pose, shell=shell, level=3)
             hits += len(there) > 0
@@ -162,7 +160,7 @@ def test_every_query_of_a_pair_asks_the_same_shells(ball, needle, shell):
 
 
 def test_both_shells_are_a_then_b(ball: vx.Model, cube: vx.Model):
-    pose, other = moved(0.05, 0.02, 0.58) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
+    pose, other = at(0.05, 0.02, 0.58) @ turned((1, 2, 3), 0.7), turned((3, 1, 2), 0.1)
     both = vx.contacts(ball, cube, pose, other, shell="both", level=3, margin=0.001)
     assert both.shell == "both"
     assert both.exact
@@ -185,8 +183,8 @@ def test_both_shells_are_a_then_b(ball: vx.Model, cube: vx.Model):
 
 def test_a_manifold_of_both_shells_spans_the_area(cube: vx.Model):
     # What faces the upper cube is another side of the lower one, in its own frame.
-    pose = moved(3.0, -2.0, 0.999) @ turned((0, 0, 1), 0.5)
-    other = moved(3.0, -2.0, 0.0) @ turned((0, 0, 1), 0.5) @ turned((1, 0, 0), np.pi / 2)
+    pose = at(3.0, -2.0, 0.999) @ turned((0, 0, 1), 0.5)
+    other = at(3.0, -2.0, 0.0) @ turned((0, 0, 1), 0.5) @ turned((1, 0, 0), np.pi / 2)
     both = vx.contacts(cube, cube, pose, other, shell="both", level=3)
     manifold = both.manifold()
     assert manifold.shell == "both"
@@ -212,7 +210,7 @@ def test_both_shells_find_a_spike_between_the_points_of_the_other():
     spike = trimesh.creation.cone(radius=0.002, height=0.1)
     needle = vx.Model.from_mesh(spike, resolution=100, point_spacing=0.01)
     slab = vx.Model.from_mesh(trimesh.creation.box((0.2, 0.2, 0.02)), voxel_size=0.01)
-    pose = moved(0.0051, 0.0049, -0.02) @ turned((1, 0, 0), 0.0)
+    pose = at(0.0051, 0.0049, -0.02) @ turned((1, 0, 0), 0.0)
     found = {shell: vx.collide(slab, needle, None, pose, shell=shell) for shell in ("a", "b")}
     assert found == {"a": False, "b": True}
     assert vx.collide(slab, needle, None, pose, shell="both")

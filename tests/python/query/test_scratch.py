@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 import voxshell as vx
-from poses import moved, turned
+from poses import at, turned
 from queries import wrench
 
 
@@ -12,7 +12,7 @@ def test_a_scratch_changes_no_answer(ball: vx.Model, cube: vx.Model):
     scratch = vx.QueryScratch()
     contacts = 0
     for i in range(60):
-        pose = moved(0.05, 0.02, 0.62 - 0.001 * i) @ turned((1, 2, 3), 0.01 * i)
+        pose = at(0.05, 0.02, 0.62 - 0.001 * i) @ turned((1, 2, 3), 0.01 * i)
         for shell in ("auto", "fewest", "a", "b", "both"):
             new = vx.contacts(ball, cube, pose, shell=shell)
             old = vx.contacts(ball, cube, pose, shell=shell, scratch=scratch)
@@ -32,7 +32,7 @@ def test_a_scratch_changes_no_answer(ball: vx.Model, cube: vx.Model):
 
 def test_threads_that_share_a_scratch_get_their_own_answers(ball: vx.Model, cube: vx.Model):
     scratch = vx.QueryScratch()
-    poses = [moved(0.01 * i, 0.0, 0.58) for i in range(20)]
+    poses = [at(0.01 * i, 0.0, 0.58) for i in range(20)]
     expected = [vx.contacts(ball, cube, pose).depths.tobytes() for pose in poses]
     failures = []
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import voxshell as vx
-from poses import moved, random_poses, turned
+from poses import at, random_poses, turned
 
 STIFFNESS = 1e6  # N/m3
 
@@ -11,7 +11,7 @@ STIFFNESS = 1e6  # N/m3
 def test_a_cube_in_the_ground_is_pushed_up_by_its_weight_of_springs(cube: vx.Model):
     bottom = cube.shell.points[:, 2] < -0.4999
     area = float(cube.shell.areas[bottom].sum())
-    wrench = vx.wrench(cube, vx.Plane(), moved(3.0, 4.0, 0.499), None, stiffness=STIFFNESS)
+    wrench = vx.wrench(cube, vx.Plane(), at(3.0, 4.0, 0.499), None, stiffness=STIFFNESS)
     np.testing.assert_allclose(wrench.force, [0, 0, STIFFNESS * area * 1e-3], rtol=2e-3, atol=0.1)
     np.testing.assert_allclose(wrench.torque, 0.0, atol=1.0)
     assert abs(area - 1.0) < 0.2
@@ -21,12 +21,12 @@ def test_a_cube_in_the_ground_is_pushed_up_by_its_weight_of_springs(cube: vx.Mod
 def test_an_eccentric_push_turns_about_the_origin_of_a(cube: vx.Model):
     # Half of the cube stands on a box that ends below its middle; its center of pressure is at
     # x = 0.25 of the cube, in whatever frame the world has.
-    world = moved(5.0, -3.0, 2.0) @ turned((1, 2, 3), 0.8)
+    world = at(5.0, -3.0, 2.0) @ turned((1, 2, 3), 0.8)
     wrench = vx.wrench(
         cube,
         vx.Box((1.0, 1.0, 1.0)),
-        world @ moved(z=0.998),
-        world @ moved(1.0, 0, -0.5),
+        world @ at(z=0.998),
+        world @ at(1.0, 0, -0.5),
         stiffness=STIFFNESS,
     )
     force, torque = (world[:3, :3].T @ v for v in (wrench.force, wrench.torque))
@@ -37,8 +37,8 @@ def test_an_eccentric_push_turns_about_the_origin_of_a(cube: vx.Model):
 @pytest.mark.parametrize("shell", ["a", "b"])
 def test_action_is_reaction_whichever_body_is_a(ball: vx.Model, cube: vx.Model, shell: str):
     pose, other = (
-        moved(0.05, 0.02, 0.57) @ turned((1, 2, 3), 0.7),
-        moved(0.1) @ turned((3, 1, 2), 0.1),
+        at(0.05, 0.02, 0.57) @ turned((1, 2, 3), 0.7),
+        at(0.1) @ turned((3, 1, 2), 0.1),
     )
     on_ball = vx.wrench(ball, cube, pose, other, stiffness=STIFFNESS, shell=shell)
     mirrored = "b" if shell == "a" else "a"
@@ -54,7 +54,7 @@ def test_action_is_reaction_whichever_body_is_a(ball: vx.Model, cube: vx.Model, 
 
 def test_it_is_the_sum_over_the_contacts(ball: vx.Model):
     # On a plane, gradients are the contacts' normals.
-    pose = moved(1.0, 2.0, 0.08) @ turned((1, 2, 3), 0.7)
+    pose = at(1.0, 2.0, 0.08) @ turned((1, 2, 3), 0.7)
     contacts = vx.contacts(ball, vx.Plane(), pose)
     weights = STIFFNESS * ball.shell.areas[contacts.ids].astype(float) * contacts.depths
     forces = weights[:, None] * contacts.normals
@@ -68,9 +68,9 @@ def test_it_is_the_sum_over_the_contacts(ball: vx.Model):
 
 def test_apart_and_without_stiffness_it_is_zero(ball: vx.Model, cube: vx.Model):
     for a, b, pose, stiffness in (
-        (ball, cube, moved(z=0.7), STIFFNESS),
-        (ball, vx.Plane(), moved(z=0.1001), STIFFNESS),
-        (cube, ball, moved(z=0.5), 0.0),
+        (ball, cube, at(z=0.7), STIFFNESS),
+        (ball, vx.Plane(), at(z=0.1001), STIFFNESS),
+        (cube, ball, at(z=0.5), 0.0),
     ):
         wrench = vx.wrench(a, b, pose, stiffness=stiffness)
         np.testing.assert_array_equal(wrench.force, np.zeros(3))
@@ -81,10 +81,7 @@ def test_apart_and_without_stiffness_it_is_zero(ball: vx.Model, cube: vx.Model):
 def test_it_grows_from_zero_without_jumps(ball: vx.Model, cube: vx.Model):
     heights = np.linspace(0.61, 0.55, 601)
     forces = np.array(
-        [
-            vx.wrench(ball, cube, moved(0.03, 0.02, z), None, stiffness=STIFFNESS).force
-            for z in heights
-        ]
+        [vx.wrench(ball, cube, at(0.03, 0.02, z), None, stiffness=STIFFNESS).force for z in heights]
     )
     assert (forces[0] == 0.0).all()
     assert np.abs(forces[-1]).max() > 10.0
@@ -107,7 +104,7 @@ def test_the_wrench_of_both_shells_has_no_jumps(ball: vx.Model, cube: vx.Model):
     # Into the cube through its face until the ball is wholly inside.
     forces = np.array(
         [
-            vx.wrench(ball, cube, moved(0.01, 0.02, z), None, stiffness=1.0, shell="both").force
+            vx.wrench(ball, cube, at(0.01, 0.02, z), None, stiffness=1.0, shell="both").force
             for z in np.linspace(0.65, 0.3, 2000)
         ]
     )

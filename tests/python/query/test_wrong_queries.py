@@ -10,12 +10,12 @@ import voxshell as vx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from poses import moved
+from poses import at
 from queries import BATCHES, FEW, ONE_SHELL, QUERIES, SEARCHES, WITH_MARGIN, wrench
 
 SCALED = np.diag([2.0, 2.0, 2.0, 1.0])
 MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
-HOLE = moved(z=np.nan)
+HOLE = at(z=np.nan)
 PROJECTIVE = np.eye(4) + np.eye(4, k=-1) * [[0], [0], [0], [1]]
 
 
@@ -40,8 +40,8 @@ PROJECTIVE = np.eye(4) + np.eye(4, k=-1) * [[0], [0], [0], [1]]
         (np.eye(4, dtype=bool), "bool"),
         (np.full((4, 4), None), "object"),
         (HOLE, "finite"),
-        (moved(x=np.inf), "finite"),
-        (moved(x=1e300), r"1e\+300 m from its origin"),
+        (at(x=np.inf), "finite"),
+        (at(x=1e300), r"1e\+300 m from its origin"),
         (SCALED, "orthonormal"),
         (MIRRORED, "mirrors"),
         (PROJECTIVE, "last row"),

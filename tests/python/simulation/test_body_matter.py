@@ -4,14 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
 import voxshell as vx
-
-
-@pytest.fixture(scope="module")
-def brick():
-    return vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.1, 0.06)), voxel_size=0.005)
-
 
 TURNED = vx.pose((0.3, -0.2, 0.5), axis_angle=((1, 2, 3), 0.8))
 

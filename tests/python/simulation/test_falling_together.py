@@ -11,13 +11,8 @@ import itertools
 import numpy as np
 import pytest
 import voxshell as vx
+from poses import at
 from trimesh.creation import box
-
-
-def at(x, y, z):
-    pose = np.eye(4)
-    pose[:3, 3] = (x, y, z)
-    return pose
 
 
 @pytest.mark.parametrize(

@@ -6,51 +6,19 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from trimesh.creation import box, cylinder, icosphere, torus
+from sliding_bodies import build, build_slab
 
 GRAVITY = 9.81  # m/s2
 FRICTION = 0.5
 SLOPE = math.radians(35.0)
 
 
-def _mug():
-    outside = cylinder(0.04, 0.09, sections=64).apply_translation((0, 0, 0.045))
-    inside = cylinder(0.034, 0.09, sections=64).apply_translation((0, 0, 0.051))
-    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0))
-    handle = torus(0.025, 0.005).apply_transform(turn).apply_translation((0, 0.045, 0.045))
-    return trimesh.boolean.difference([trimesh.boolean.union([outside, handle]), inside])
-
-
-def _dented_box():
-    dents = [
-        icosphere(subdivisions=3, radius=0.04).apply_translation(place)
-        for place in ((0.01, 0.0, -0.065), (0.06, 0.02, -0.01))
-    ]
-    return trimesh.boolean.difference([box((0.12, 0.1, 0.08)), *dents])
-
-
-MESHES = {
-    "cube": lambda: box((0.1, 0.1, 0.1)),
-    "mug": _mug,
-    "can": lambda: cylinder(0.033, 0.1, sections=48),
-    "dented box": _dented_box,
-}
-
-
-@cache
-def build(name):
-    return vx.Model.from_mesh(MESHES[name]())
-
-
-@cache
-def build_slab():
-    return vx.Model.from_mesh(box((1.6, 1.6, 0.06)).apply_translation((0, 0, -0.03)))
+BODIES = ("cube", "mug", "can", "dented box")
 
 
 def lay(name, ground, *, rate, heading=0.0, slope=0.0, **settings):
@@ -81,7 +49,7 @@ def run_out(speed, rate):
 CASES = [
     (name, ground, rate, heading)
     for (name, ground), (rate, heading) in zip(
-        [(name, ground) for ground in ("plane", "slab") for name in MESHES],
+        [(name, ground) for ground in ("plane", "slab") for name in BODIES],
         [
             (1000, 0.0),
             (200, 22.5),

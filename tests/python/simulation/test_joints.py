@@ -8,12 +8,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from parts import random_rotation
-
-
-def at(x=0.0, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
+from poses import at
 
 
 @pytest.fixture(scope="module")

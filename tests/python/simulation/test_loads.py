@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from poses import at
 from voxshell_studies.everyday_runs import run_stage
 from voxshell_studies.scenes.everyday import forms
 from voxshell_studies.scenes.everyday.machines import _chain, _chain_length, _gripper, _true_chain
@@ -16,12 +17,6 @@ from voxshell_studies.scenes.everyday.machines import _chain, _chain_length, _gr
 G = 9.81  # m/s2
 RATES = (200.0, 60.0, 30.0)
 BRICK = (0.12, 0.08, 0.04)
-
-
-def at(x, z):
-    pose = np.eye(4)
-    pose[0, 3], pose[2, 3] = x, z
-    return pose
 
 
 @cache
@@ -39,7 +34,7 @@ def stack(brick, masses, rate):
     world = vx.World(time_step=1.0 / rate)
     world.add(vx.Plane(), mass=0)
     bodies = [
-        world.add(brick, mass=mass, pose=at(0.0, (i + 0.5) * BRICK[2]), friction=0.7)
+        world.add(brick, mass=mass, pose=at(z=(i + 0.5) * BRICK[2]), friction=0.7)
         for i, mass in enumerate(masses)
     ]
     return world, bodies
@@ -76,11 +71,11 @@ def test_a_stack_that_falls_off_an_edge_gains_no_energy(rate, speed):
     size, mass = (0.19, 0.19, 0.15), 3.0
     box, slab = build_box(*size), build_box(0.8, 0.6, 0.07)
     world = vx.World(time_step=1.0 / rate)
-    world.add(slab, mass=0, friction=0.4, pose=at(0.0, 0.035))
+    world.add(slab, mass=0, friction=0.4, pose=at(z=0.035))
     world.add(vx.Plane(offset=-1.5), mass=0)
     bodies = []
     for x, y, z in itertools.product((-0.2, 0.0), (-0.1, 0.1), (0.145, 0.295)):
-        pose = at(x, z)
+        pose = at(x, 0.0, z)
         pose[1, 3] = y
         bodies.append(world.add(box, mass=mass, pose=pose, friction=1.0))
         bodies[-1].linear_velocity = (-speed, 0.0, 0.0)
@@ -128,7 +123,7 @@ def test_a_motor_pushes_against_a_brake(kind, rate, gravity):
     world = vx.World(time_step=1.0 / rate, gravity=(0, 0, -gravity))
     shape = build_box(0.05, 0.05, 0.05) if kind == "model" else vx.Box((0.025, 0.025, 0.025))
     pushing = world.add(shape, mass=0.1, friction=0.3)
-    pushed = world.add(shape, mass=1.0, friction=0.3, pose=at(0.0505, 0.0))
+    pushed = world.add(shape, mass=1.0, friction=0.3, pose=at(0.0505))
     motor = world.add_joint(vx.SliderJoint(axis=(1, 0, 0)), None, pushing)
     world.add_joint(vx.SliderJoint(axis=(1, 0, 0), friction=100.0), None, pushed)
     motor.set_target_velocity(0.1, max_force=500.0)
@@ -144,7 +139,7 @@ def test_given_iterations_are_all_that_is_done(brick):
     world = vx.World(time_step=1.0 / 60.0, iterations=2)
     world.add(vx.Plane(), mass=0)
     for i, mass in enumerate((1.0, 100.0)):
-        world.add(brick, mass=mass, pose=at(0.0, (i + 0.5) * BRICK[2]))
+        world.add(brick, mass=mass, pose=at(z=(i + 0.5) * BRICK[2]))
     world.step(60)
     assert (
         np.abs([body.pose[2, 3] for body in world.bodies[1:]] - np.array([0.02, 0.06])).max() > 1e-3
@@ -159,11 +154,11 @@ def carry(rate, velocity, friction, seconds, yaw=0.0):
     world.add(
         belt,
         motion="kinematic",
-        pose=way @ at(0.0, -0.025),
+        pose=way @ at(z=-0.025),
         friction=1.0,
         surface_velocity=(velocity, 0.0, 0.0),
     )
-    body = world.add(cube, pose=way @ at(-1.0, 0.05), friction=friction)
+    body = world.add(cube, pose=way @ at(-1.0, 0.0, 0.05), friction=friction)
     speeds = []
     for _ in range(round(seconds * rate)):
         world.step()

@@ -9,6 +9,7 @@ import manifold3d as m3
 import numpy as np
 import pytest
 import voxshell as vx
+from poses import at
 from scipy.spatial.transform import Rotation
 from shapely import box as rectangle
 from trimesh.convex import convex_hull
@@ -38,12 +39,6 @@ TILES = {
 @cache
 def model(name: str) -> vx.Model:
     return vx.Model.from_mesh(MESHES[name](), cache=False)
-
-
-def at(x: float, y: float, z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
 
 
 def push(world: vx.World, rate: int, name: str, heading: float = 0.0):

@@ -11,15 +11,10 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from poses import at
 
 MAY_FAIL = (vx.SettingsError, vx.RecordingError)
 """Bodies that another thread has removed, and states of a world that another thread has changed."""
-
-
-def at(z: float) -> np.ndarray:
-    pose = np.eye(4)
-    pose[2, 3] = z
-    return pose
 
 
 def run_together(works: list[Callable[[], object]], seconds: float) -> list[BaseException]:
@@ -50,11 +45,11 @@ def test_eight_threads_on_one_world_do_not_crash():
     model = vx.Model.from_mesh(trimesh.creation.icosphere(2, radius=0.1), voxel_size=0.02)
     world = vx.World()
     world.add(vx.Plane(), mass=0)
-    balls = [world.add(model, pose=at(0.1 + 0.2 * i)) for i in range(4)]
+    balls = [world.add(model, pose=at(z=0.1 + 0.2 * i)) for i in range(4)]
     recorder = world.record(every=50)
 
     def add_and_remove() -> None:
-        body = world.add(model, pose=at(1.0))
+        body = world.add(model, pose=at(z=1.0))
         joint = world.add_joint(vx.HingeJoint(), None, body)
         joint.set_target_velocity(1.0, max_force=1.0)
         world.remove(body)
@@ -90,7 +85,7 @@ def test_eight_threads_on_one_world_do_not_crash():
 def test_bodies_are_read_from_another_thread_while_the_world_steps():
     world = vx.World(sleeping=False)
     world.add(vx.Plane(), mass=0)
-    balls = [world.add(vx.Sphere(0.1), pose=at(0.2 * i)) for i in range(100)]
+    balls = [world.add(vx.Sphere(0.1), pose=at(z=0.2 * i)) for i in range(100)]
     is_done = threading.Event()
     waits: list[float] = []
 
@@ -118,7 +113,7 @@ def test_callbacks_of_a_step_use_their_world():
 
     def use(world: vx.World) -> None:
         ball.apply_force((0.0, 0.0, 1.0))
-        world.remove(world.add(vx.Sphere(0.1), pose=at(5.0)))
+        world.remove(world.add(vx.Sphere(0.1), pose=at(z=5.0)))
         state = world.save_state()
         world.step(1)
         world.restore_state(state)

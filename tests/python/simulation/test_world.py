@@ -14,22 +14,12 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
+from poses import at
 
 
 @pytest.fixture(scope="module")
 def ball():
     return vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.1), voxel_size=0.005)
-
-
-@pytest.fixture(scope="module")
-def brick():
-    return vx.Model.from_mesh(trimesh.creation.box(extents=(0.2, 0.1, 0.06)), voxel_size=0.005)
-
-
-def at(x=0.0, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
 
 
 GROUNDS = {

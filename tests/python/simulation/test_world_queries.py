@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-
-
-def at(x=0.0, y=0.0, z=0.0):
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
+from poses import at
 
 
 @pytest.fixture(scope="module")

@@ -17,14 +17,14 @@ def pose_of(position: ArrayLike, rotation: Rotation | None = None) -> NDArray[np
     return pose
 
 
-def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:
+def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:
     """Returns a (4, 4) pose with the world's axes."""
     return pose_of((x, y, z))
 
 
 def lift(height: float, rotation: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
     """Returns a (4, 4) pose above the world's origin; `rotation` is (3, 3)."""
-    pose = moved(z=height)
+    pose = at(z=height)
     if rotation is not None:
         pose[:3, :3] = rotation
     return pose
