@@ -8,6 +8,8 @@ usage: tools/check_tests_mirror.py [ROOT]
     python/voxshell/ROOM/NAME.py     tests/python/ROOM/test_NAME.py
     studies/voxshell_studies/NAME.py tests/python/studies/test_NAME.py
 
+Folders within these have their tests in folders of the same names.
+
 A file decides something if it has a branch or a loop. Files that are tested by way of others stand in
 tests/without_own_tests.txt, which may only shrink. Prints one line for each file that is neither tested nor
 listed, and for each line of the list that is out of date, and exits 1 if there is one.

@@ -12,7 +12,7 @@ from voxshell.measuring.timing import pinned
 from voxshell.model.model import Model
 from voxshell.simulation.world import World
 
-from voxshell_studies.everyday_mujoco import import_mujoco
+from voxshell_studies.everyday.mujoco import import_mujoco
 from voxshell_studies.scenes.drop import decompose
 from voxshell_studies.scenes.pour import PourSettings, build_world, find_plates
 

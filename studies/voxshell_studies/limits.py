@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import as_integer, as_positive
-from voxshell.errors import SettingsError
 from voxshell.model.accuracy import AccuracyWarning
 
-from voxshell_studies.everyday import name_part
+from voxshell_studies.everyday.study import name_part
 from voxshell_studies.part import Part, as_columns
 from voxshell_studies.scenes.limits import SCENES
+from voxshell_studies.settings import check_scenes, choose_scenes
 
 if TYPE_CHECKING:
     from voxshell_studies.part import Tables
@@ -44,14 +44,12 @@ class LimitsSettings:
         as_integer(self.placements, "placements", 1, 1_000)
         for rate in self.rates:
             as_positive(rate, "rates")
-        for name in self.scenes:
-            if name not in SCENES:
-                raise SettingsError(f"scenes: unknown scene {name!r}")
+        check_scenes(self.scenes, SCENES)
 
     @property
     def chosen(self) -> tuple[LimitScene, ...]:
         """The chosen scenes."""
-        return tuple(SCENES[name] for name in self.scenes or SCENES)
+        return choose_scenes(self.scenes, SCENES)
 
     def rates_of(self, scene: LimitScene) -> tuple[float, ...]:
         """Return the steps per second at which a scene runs."""

@@ -137,7 +137,6 @@ def _code_files() -> list[Path]:
         for root in _ROOTS
         for path in root.rglob("*.py")
         if not set(path.relative_to(root).parts) & set(_NO_DATA)
-        and not path.stem.endswith("_report")
     ]
     compiled = [
         Path(spec.origin)

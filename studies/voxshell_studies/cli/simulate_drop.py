@@ -124,7 +124,7 @@ def _run(
 ) -> tuple[list[DropRun], list[DropSummary]]:
     """Build, simulate and write, with a line of progress for each part."""
     from voxshell_studies.drop import run_drop, summarize
-    from voxshell_studies.drop_report import draw_curves, save_page, write_results
+    from voxshell_studies.report.drop import draw_curves, save_page, write_results
     from voxshell_studies.scenes.drop import build_shapes
 
     title = f"{path.stem} dropped {settings.height:g} m at {settings.rate:g} Hz"

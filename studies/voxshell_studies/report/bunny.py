@@ -14,10 +14,10 @@ from voxshell_studies import bunny
 from voxshell_studies.bunny import BunnyFallSettings
 from voxshell_studies.convex_parts import CONCAVITY, RECIPES
 from voxshell_studies.drop import FULL_OPERATION, REST_STEPS
-from voxshell_studies.drop_report import COLORS, draw_curves, save_page
 from voxshell_studies.experiment import Experiment, Picture
 from voxshell_studies.hull_tables import read_hulls
 from voxshell_studies.motion import read_poses
+from voxshell_studies.report.drop import COLORS, draw_curves, save_page
 from voxshell_studies.report.figures import as_rgb
 from voxshell_studies.report.paint import (
     Camera,

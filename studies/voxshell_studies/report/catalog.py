@@ -8,7 +8,7 @@ from voxshell_studies.report.ball import BALL
 from voxshell_studies.report.bunny import BUNNY
 from voxshell_studies.report.everyday import EVERYDAY
 from voxshell_studies.report.gears import GEARS
-from voxshell_studies.report.geometry import GEOMETRY
+from voxshell_studies.report.geometry.experiment import GEOMETRY
 from voxshell_studies.report.limits import LIMITS
 from voxshell_studies.report.nut import NUT
 from voxshell_studies.report.pair import PAIR

@@ -10,8 +10,8 @@ import numpy as np
 from voxshell.base.outputs import make_folder, write_text
 from voxshell.model.meshes import Mesh
 
-from voxshell_studies import everyday
-from voxshell_studies.everyday import EverydaySettings, name_part
+from voxshell_studies.everyday import study
+from voxshell_studies.everyday.study import EverydaySettings, name_part
 from voxshell_studies.experiment import Experiment, Picture
 from voxshell_studies.motion import restore
 from voxshell_studies.report.everyday_table import (
@@ -256,7 +256,7 @@ EVERYDAY = Experiment(
         longest=2.0,
         heavy_rates=(200.0,),
     ),
-    plan=everyday.plan,
+    plan=study.plan,
     reduce=reduce,
     draw=draw,
     published=False,

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell_studies.everyday import name_part
+from voxshell_studies.everyday.study import name_part
 from voxshell_studies.verdict import format_value
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from voxshell_studies.everyday import EverydaySettings
+    from voxshell_studies.everyday.study import EverydaySettings
     from voxshell_studies.experiment import Results
     from voxshell_studies.scenes.everyday.scene import Engine, EverydayScene, Measure
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell_studies import pair
-from voxshell_studies.drop_report import COLORS
 from voxshell_studies.experiment import Experiment, Picture
 from voxshell_studies.pair import PairSettings
+from voxshell_studies.report.drop import COLORS
 from voxshell_studies.report.figures import FAINT, OURS_PLANE, open_figure
 from voxshell_studies.scenes.drop import METHODS
 from voxshell_studies.timing import STAGES

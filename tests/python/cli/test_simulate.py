@@ -117,12 +117,12 @@ def test_nothing_is_left_of_what_was_not_finished(
     tmp_path, cone_path, monkeypatch, capsys, problem, ending
 ):
     from voxshell.cli import main
-    from voxshell_studies import drop_report
+    from voxshell_studies.report import drop
 
     def fail(*_):
         raise problem("disk full")
 
-    monkeypatch.setattr(drop_report, "draw_curves", fail)
+    monkeypatch.setattr(drop, "draw_curves", fail)
     command = ["simulate", "drop", str(cone_path), *SMALL, "--steps", "260", "--methods", "hull"]
     older = tmp_path / "older"
     older.mkdir()

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from poses import at
-from voxshell_studies.everyday_runs import run_stage
+from voxshell_studies.everyday.runs import run_stage
 from voxshell_studies.scenes.everyday import forms
 from voxshell_studies.scenes.everyday.machines import _chain, _chain_length, _gripper, _true_chain
 

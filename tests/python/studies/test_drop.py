@@ -8,7 +8,7 @@ import pytest
 from voxshell.measuring.units import format_time
 from voxshell.model.model import Model
 from voxshell_studies.drop import REST_STEPS, run_drop, summarize
-from voxshell_studies.drop_report import draw_curves, write_results
+from voxshell_studies.report.drop import draw_curves, write_results
 from voxshell_studies.scenes.bunny import find_bunny
 from voxshell_studies.scenes.drop import METHODS, DropSettings, build_shapes
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from voxshell.query.distances import distance
 from voxshell.simulation.joint_kinds import HingeJoint, SliderJoint
-from voxshell_studies.everyday_worlds import build_model
+from voxshell_studies.everyday.worlds import build_model
 from voxshell_studies.scenes.everyday import forms
 from voxshell_studies.scenes.everyday.scene import X, Z, shift, turn
 from voxshell_studies.scenes.limits import mechanism_bodies as parts

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from voxshell.model.shapes import Plane
 from voxshell.simulation.world import World
-from voxshell_studies.everyday_worlds import build_model
+from voxshell_studies.everyday.worlds import build_model
 from voxshell_studies.scenes.everyday.forms import PLANE, matter
 from voxshell_studies.scenes.everyday.scene import RATES, Form, Vector
 

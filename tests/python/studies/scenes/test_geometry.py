@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from voxshell.errors import SettingsError
-from voxshell_studies.first_touch import find_first_touch
+from voxshell_studies.geometry.first_touch import find_first_touch
 from voxshell_studies.scenes.geometry import BUILT, COINCIDENT, PAIRS, SCENES, random_rotation
 from voxshell_studies.scenes.geometry_bodies import BODIES, make_body, retriangulate, turn_mesh
 

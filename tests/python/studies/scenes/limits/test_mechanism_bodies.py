@@ -6,7 +6,7 @@ import math
 
 import pytest
 import voxshell as vx
-from voxshell_studies.everyday_worlds import build_model
+from voxshell_studies.everyday.worlds import build_model
 from voxshell_studies.scenes.everyday.scene import X, Z, shift, turn
 from voxshell_studies.scenes.limits import mechanism_bodies as parts
 

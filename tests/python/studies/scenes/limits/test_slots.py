@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import voxshell as vx
-from voxshell_studies.everyday_worlds import build_model
+from voxshell_studies.everyday.worlds import build_model
 from voxshell_studies.scenes.limits import SCENES, bodies, slots
 
 

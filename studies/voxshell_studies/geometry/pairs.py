@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from voxshell.query.queries import collide
 
-from voxshell_studies.first_touch import find_first_touch
-from voxshell_studies.geometry_models import (
+from voxshell_studies.geometry.first_touch import find_first_touch
+from voxshell_studies.geometry.models import (
     ORDERS,
     Pair,
     measure_gap,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from voxshell.model.meshes import Mesh
 
-    from voxshell_studies.geometry_settings import GeometrySettings
+    from voxshell_studies.geometry.settings import GeometrySettings
     from voxshell_studies.part import Tables
 
 _OFFSETS = 5

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from voxshell.base.arguments import as_integer
-from voxshell.errors import SettingsError
 
 from voxshell_studies.scenes.geometry import BUILT, PAIRS, SCENES
+from voxshell_studies.settings import check_scenes
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,7 @@ class GeometrySettings:
             ("seed", 0, 2**31 - 1),
         ):
             as_integer(getattr(self, name), name, least, most)
-        for name in self.scenes:
-            if name not in SCENES:
-                raise SettingsError(f"scenes: unknown scene {name!r}")
+        check_scenes(self.scenes, SCENES)
 
     @property
     def chosen(self) -> tuple[str, ...]:

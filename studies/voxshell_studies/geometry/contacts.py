@@ -8,25 +8,25 @@ import numpy as np
 from voxshell.base.poses import invert
 from voxshell.query.queries import contacts
 
-from voxshell_studies.geometry_models import (
+from voxshell_studies.geometry.models import (
     ORDERS,
     Pair,
     carry,
     find_surface,
     move,
 )
-from voxshell_studies.geometry_pairs import meet
+from voxshell_studies.geometry.pairs import meet
+from voxshell_studies.geometry.surface_truth import measure_angle
 from voxshell_studies.part import as_columns
 from voxshell_studies.scenes.geometry_bodies import make_body
-from voxshell_studies.surface_truth import measure_angle
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from voxshell.query.contact_set import Contacts
 
-    from voxshell_studies.geometry_settings import GeometrySettings
+    from voxshell_studies.geometry.settings import GeometrySettings
+    from voxshell_studies.geometry.surface_truth import Surface
     from voxshell_studies.part import Tables
-    from voxshell_studies.surface_truth import Surface
 
 JUDGED = ("angle", "a_off", "b_off", "voxel", "ambiguous")
 """The measured properties of a judged contact."""

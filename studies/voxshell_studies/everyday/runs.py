@@ -41,10 +41,10 @@ def build_running(stage: Stage, engine: Engine, time_step: float, *, smooth: boo
         MissingExtraError: The engine is not installed.
     """
     if engine == "mujoco":
-        from voxshell_studies.everyday_mujoco import MuJoCoStage
+        from voxshell_studies.everyday.mujoco import MuJoCoStage
 
         return MuJoCoStage(stage, time_step, smooth=smooth)
-    from voxshell_studies.everyday_worlds import WorldStage
+    from voxshell_studies.everyday.worlds import WorldStage
 
     return WorldStage(stage, engine, time_step)
 
@@ -85,7 +85,7 @@ def record_stage(stage: Stage, rate: float, seconds: float) -> Tables:
         The tables of :func:`voxshell_studies.motion.tabulate`, and "frames": "time_step", seconds
         between frames.
     """
-    from voxshell_studies.everyday_worlds import WorldStage
+    from voxshell_studies.everyday.worlds import WorldStage
 
     running = WorldStage(stage, "voxshell", 1.0 / rate)
     every = max(round(rate / _FRAMES), 1)
@@ -100,7 +100,7 @@ def is_installed(engine: Engine) -> bool:
     if engine != "mujoco":
         return True
     try:
-        from voxshell_studies.everyday_mujoco import import_mujoco
+        from voxshell_studies.everyday.mujoco import import_mujoco
 
         import_mujoco()
     except MissingExtraError:

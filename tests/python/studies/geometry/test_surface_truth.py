@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 from voxshell.model.meshes import Mesh
+from voxshell_studies.geometry.surface_truth import Surface, measure_angle
 from voxshell_studies.scenes.geometry_bodies import make_body
-from voxshell_studies.surface_truth import Surface, measure_angle
 
 
 def test_nearest_places_are_those_of_trimesh():

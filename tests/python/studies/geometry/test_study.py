@@ -10,10 +10,10 @@ import voxshell as vx
 from experiments import compute
 from poses import lift
 from voxshell.errors import SettingsError
-from voxshell_studies import geometry_costs
-from voxshell_studies.geometry import GeometrySettings, name_pair, name_scene
-from voxshell_studies.geometry_models import RETRIANGULATED, Pair, move
-from voxshell_studies.report.geometry import GEOMETRY
+from voxshell_studies.geometry import costs
+from voxshell_studies.geometry.models import RETRIANGULATED, Pair, move
+from voxshell_studies.geometry.study import GeometrySettings, name_pair, name_scene
+from voxshell_studies.report.geometry.experiment import GEOMETRY
 from voxshell_studies.scenes.geometry import PAIRS, SCENES, random_rotation
 
 SMALL = GeometrySettings(
@@ -39,7 +39,7 @@ SMALL = GeometrySettings(
 @pytest.fixture(scope="module")
 def results():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(geometry_costs, "COMPARED", "ellipsoid")  # the bunny takes long to build
+        patch.setattr(costs, "COMPARED", "ellipsoid")  # the bunny takes long to build
         return compute(GEOMETRY, SMALL)
 
 

@@ -11,10 +11,10 @@ from voxshell.base.poses import invert
 from voxshell.model.model import Model
 from voxshell.query.bounds import ContactBounds, contact_bounds
 
+from voxshell_studies.geometry.surface_truth import Surface
 from voxshell_studies.scenes.geometry import random_rotation
 from voxshell_studies.scenes.geometry_bodies import BODIES, make_body, retriangulate, turn_mesh
 from voxshell_studies.scenes.solids import as_mesh, import_manifold
-from voxshell_studies.surface_truth import Surface
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -10,7 +10,7 @@ from voxshell_studies.scenes.geometry_bodies import make_body
 from voxshell_studies.verdict import Row, at_most, format_value, in_mm
 
 if TYPE_CHECKING:
-    from voxshell_studies.geometry import GeometrySettings
+    from voxshell_studies.geometry.study import GeometrySettings
     from voxshell_studies.part import Columns, Tables
 
 LEAST_BOUND_BAR, BOUND_FRACTION_BAR = 1e-3, 1.0 / 4000.0

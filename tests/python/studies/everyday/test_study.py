@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from voxshell.errors import SettingsError
-from voxshell_studies import everyday
-from voxshell_studies.everyday import EverydaySettings, measure_scene, name_part, plan
+from voxshell_studies.everyday import study
+from voxshell_studies.everyday.study import EverydaySettings, measure_scene, name_part, plan
 from voxshell_studies.part import compute_part
 from voxshell_studies.report.everyday import EVERYDAY, TABLE
 from voxshell_studies.report.everyday_table import Line, Worst, format_error
@@ -193,7 +193,7 @@ def test_placements_differ_and_the_first_is_straight():
 
 
 def test_plan_has_a_part_a_scene_and_engine_that_is_there(monkeypatch):
-    monkeypatch.setattr(everyday, "is_installed", lambda engine: engine != "mujoco")
+    monkeypatch.setattr(study, "is_installed", lambda engine: engine != "mujoco")
     parts = plan(EverydaySettings(scenes=("cube stops, plane", "cradle of five balls")))
     assert [part.name for part in parts] == [
         "cube-stops-plane-voxshell",

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell_studies.geometry_costs import ASKED, COMPARED, KINDS
+from voxshell_studies.geometry.costs import ASKED, COMPARED, KINDS
 from voxshell_studies.scenes.geometry import BUILT
 from voxshell_studies.verdict import Row, at_most, format_value
 
 if TYPE_CHECKING:
-    from voxshell_studies.geometry import GeometrySettings
+    from voxshell_studies.geometry.study import GeometrySettings
     from voxshell_studies.part import Columns, Tables
 
 SECONDS_BAR, BYTES_BAR = 3.0, 64e6

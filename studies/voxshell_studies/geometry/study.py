@@ -1,9 +1,9 @@
 """Correctness of contact geometry at default settings, compared with the meshes themselves.
 
 Each scene of :mod:`voxshell_studies.scenes.geometry` moves one body toward another along a
-direction. The first touch of the meshes is known exactly (:mod:`voxshell_studies.first_touch`), and
+direction. The first touch of the meshes is known exactly (:mod:`voxshell_studies.geometry.first_touch`), and
 therefore also contact and depth in every pose of the motion. The nearest faces are the reference
-for normals and points (:mod:`voxshell_studies.surface_truth`).
+for normals and points (:mod:`voxshell_studies.geometry.surface_truth`).
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 from voxshell.query.distances import distance
 from voxshell.query.queries import collide, contacts
 
-from voxshell_studies.first_touch import find_first_touch
-from voxshell_studies.geometry_contacts import JUDGED, judge_contacts, measure_contacts
-from voxshell_studies.geometry_costs import compare_costs, time_builds
-from voxshell_studies.geometry_models import (
+from voxshell_studies.geometry.contacts import JUDGED, judge_contacts, measure_contacts
+from voxshell_studies.geometry.costs import compare_costs, time_builds
+from voxshell_studies.geometry.first_touch import find_first_touch
+from voxshell_studies.geometry.models import (
     ORDERS,
     RETRIANGULATED,
     Pair,
@@ -27,8 +27,8 @@ from voxshell_studies.geometry_models import (
     move,
     overlap,
 )
-from voxshell_studies.geometry_pairs import measure_pair
-from voxshell_studies.geometry_settings import GeometrySettings
+from voxshell_studies.geometry.pairs import measure_pair
+from voxshell_studies.geometry.settings import GeometrySettings
 from voxshell_studies.part import Part, as_columns
 from voxshell_studies.scenes.geometry import (
     COINCIDENT,

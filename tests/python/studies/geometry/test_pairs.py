@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import voxshell as vx
-from voxshell_studies import geometry_pairs
-from voxshell_studies.geometry import GeometrySettings
+from voxshell_studies.geometry import pairs
+from voxshell_studies.geometry.study import GeometrySettings
 from voxshell_studies.scenes.geometry import PAIRS
 
 
@@ -16,8 +16,8 @@ def test_overlaps_that_are_denied_are_found_and_made_worse(monkeypatch):
     def deny_shallow(*arguments: object, **options: object) -> bool:
         return vx.distance(*arguments, **options).distance < -0.002
 
-    monkeypatch.setattr(geometry_pairs, "collide", deny_shallow)
-    tables = geometry_pairs.measure_pair(settings, PAIRS.index(("star", "dented box")))
+    monkeypatch.setattr(pairs, "collide", deny_shallow)
+    tables = pairs.measure_pair(settings, PAIRS.index(("star", "dented box")))
     worst, poses = tables["worst"], tables["poses"]
     assert ((poses["overlaps"] == 1.0) & (poses["yes"] == 0.0)).sum() > 10
     assert (worst["random"] > 1e-4).all()

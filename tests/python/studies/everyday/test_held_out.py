@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from voxshell_studies.everyday import EverydaySettings, measure_scene
-from voxshell_studies.everyday_runs import is_installed, run_stage
+from voxshell_studies.everyday.runs import is_installed, run_stage
+from voxshell_studies.everyday.study import EverydaySettings, measure_scene
 from voxshell_studies.scenes.everyday import SCENES, held_out, impact_laws, laws
 from voxshell_studies.scenes.everyday.held_out import bodies
 from voxshell_studies.scenes.everyday.scene import Engine, Form, Item

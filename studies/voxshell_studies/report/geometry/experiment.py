@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell_studies import geometry
 from voxshell_studies.experiment import Experiment, Picture
-from voxshell_studies.geometry import GeometrySettings, name_contacts, name_pair, name_scene
-from voxshell_studies.geometry_contacts import MET, MET_DEPTH
-from voxshell_studies.geometry_costs import COMPARED
-from voxshell_studies.geometry_models import RETRIANGULATED
+from voxshell_studies.geometry import study
+from voxshell_studies.geometry.contacts import MET, MET_DEPTH
+from voxshell_studies.geometry.costs import COMPARED
+from voxshell_studies.geometry.models import RETRIANGULATED
+from voxshell_studies.geometry.study import GeometrySettings, name_contacts, name_pair, name_scene
 from voxshell_studies.report.figures import FAINT, OURS, PEERS, open_figure
-from voxshell_studies.report.geometry_costs import judge_builds, judge_costs
-from voxshell_studies.report.geometry_pairs import (
+from voxshell_studies.report.geometry.costs import judge_builds, judge_costs
+from voxshell_studies.report.geometry.pairs import (
     judge_bounds,
     judge_sharpness,
     judge_violations,
@@ -432,7 +432,7 @@ GEOMETRY = Experiment(
         optimized=0,
         compared_poses=20,
     ),
-    plan=geometry.plan,
+    plan=study.plan,
     reduce=reduce,
     draw=draw,
     published=False,

@@ -11,8 +11,8 @@ from voxshell.measuring.timing import pinned
 from voxshell.model.model import Model
 from voxshell.query.batch import contacts_batch
 
-from voxshell_studies.geometry_models import move
-from voxshell_studies.geometry_pairs import meet
+from voxshell_studies.geometry.models import move
+from voxshell_studies.geometry.pairs import meet
 from voxshell_studies.part import as_columns
 from voxshell_studies.scenes.geometry import BUILT
 from voxshell_studies.scenes.geometry_bodies import make_body
@@ -20,7 +20,7 @@ from voxshell_studies.scenes.geometry_bodies import make_body
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from voxshell_studies.geometry_settings import GeometrySettings
+    from voxshell_studies.geometry.settings import GeometrySettings
     from voxshell_studies.part import Columns, Tables
 
 COMPARED = "bunny 0.2 m"

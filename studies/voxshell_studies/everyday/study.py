@@ -18,10 +18,11 @@ from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
 from voxshell.model.accuracy import AccuracyWarning
 
-from voxshell_studies.everyday_runs import is_installed, record_stage, run_stage
+from voxshell_studies.everyday.runs import is_installed, record_stage, run_stage
 from voxshell_studies.part import Part
 from voxshell_studies.scenes.everyday import SCENES
 from voxshell_studies.scenes.everyday.scene import ENGINES
+from voxshell_studies.settings import check_scenes, choose_scenes
 
 if TYPE_CHECKING:
     from voxshell_studies.part import Tables
@@ -67,9 +68,7 @@ class EverydaySettings:
         for name in ("rates", "heavy_rates"):
             for rate in getattr(self, name):
                 as_positive(rate, name)
-        for name in self.scenes:
-            if name not in SCENES:
-                raise SettingsError(f"scenes: unknown scene {name!r}")
+        check_scenes(self.scenes, SCENES)
         for name in self.engines:
             if name not in ENGINES:
                 raise SettingsError(
@@ -79,7 +78,7 @@ class EverydaySettings:
     @property
     def chosen(self) -> tuple[EverydayScene, ...]:
         """The chosen scenes."""
-        return tuple(SCENES[name] for name in self.scenes or SCENES)
+        return choose_scenes(self.scenes, SCENES)
 
     def rates_of(self, scene: EverydayScene) -> tuple[float, ...]:
         """Return the steps per second at which a scene runs."""

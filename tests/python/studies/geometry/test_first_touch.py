@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, Mesh64
 from poses import lift
-from voxshell_studies.first_touch import find_first_touch
-from voxshell_studies.geometry_models import move
+from voxshell_studies.geometry.first_touch import find_first_touch
+from voxshell_studies.geometry.models import move
 from voxshell_studies.scenes.geometry import SCENES, turn_about
 from voxshell_studies.scenes.geometry_bodies import make_body
 
