@@ -164,14 +164,22 @@ class _CaptionActor:
         self._node.text = "\n".join(lines)
 
 
-class _ContactActor:
-    """Shows a lane's contacts as pins."""
+class _MarkActor:
+    """Marks at a lane's contacts: a node that is hidden while there are none."""
 
     def __init__(self, node: Any, lane: Lane, frames: NDArray[np.int64], script: Script) -> None:
         self._node = node
         self._lane = lane
         self._frames = frames
         self._script = script
+
+    def _show_if(self, any_marks: bool) -> None:
+        if self._node.visible != any_marks:
+            self._node.visible = any_marks
+
+
+class _ContactActor(_MarkActor):
+    """Shows a lane's contacts as pins."""
 
     @classmethod
     def build(
@@ -206,18 +214,11 @@ class _ContactActor:
             self._node.batched_positions = pins.positions
             self._node.batched_wxyzs = pins.rotations
             self._node.batched_colors = pins.colors
-        if self._node.visible != bool(len(pins)):
-            self._node.visible = bool(len(pins))
+        self._show_if(bool(len(pins)))
 
 
-class _ForceActor:
+class _ForceActor(_MarkActor):
     """Shows a lane's normal forces as arrows."""
-
-    def __init__(self, node: Any, lane: Lane, frames: NDArray[np.int64], script: Script) -> None:
-        self._node = node
-        self._lane = lane
-        self._frames = frames
-        self._script = script
 
     @classmethod
     def build(
@@ -244,8 +245,7 @@ class _ForceActor:
         arrows = _arrows(self._lane, int(self._frames[instant]), self._script)
         if len(arrows):
             self._node.points = arrows
-        if self._node.visible != bool(len(arrows)):
-            self._node.visible = bool(len(arrows))
+        self._show_if(bool(len(arrows)))
 
 
 def _arrows(lane: Lane, frame: int, script: Script) -> NDArray[np.float32]:

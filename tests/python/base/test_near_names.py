@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.base import near_names
+from voxshell.base import name_advice, near_names
 from voxshell.base.near_names import Absent, find_closest
 
 
@@ -29,14 +29,14 @@ def things() -> dict[str, Any]:
     }
 
 
-ABSENT = [(owner, name) for owner, table in near_names._ABSENT.items() for name in table]
-READ_ONLY = [(owner, name) for owner, table in near_names._READ_ONLY.items() for name in table]
+ABSENT = [(owner, name) for owner, table in name_advice.ABSENT.items() for name in table]
+READ_ONLY = [(owner, name) for owner, table in name_advice.READ_ONLY.items() for name in table]
 
 
 @pytest.mark.parametrize(("owner", "name"), ABSENT)
 def test_an_absent_name_says_what_to_use(things, owner: str, name: str):
     thing = things[owner]
-    advice = near_names._ABSENT[owner][name]
+    advice = name_advice.ABSENT[owner][name]
     for use in (lambda: getattr(thing, name), lambda: setattr(thing, name, 1)):
         with pytest.raises(AttributeError) as caught:
             use()
@@ -103,7 +103,7 @@ def test_models_are_still_copied(things):
 
 
 def test_the_tables_name_no_public_attribute():
-    for owner, table in near_names._ABSENT.items():
+    for owner, table in name_advice.ABSENT.items():
         for name in table:
             assert isinstance(vars(getattr(vx, owner))[name], Absent)
 
@@ -139,7 +139,7 @@ def test_a_name_like_no_other_is_refused_as_ever():
 
 
 def test_what_the_package_does_not_have_is_not_public():
-    assert not set(near_names._OF_PACKAGE) & set(vx.__all__)
+    assert not set(name_advice.OF_PACKAGE) & set(vx.__all__)
 
 
 def test_a_mesh_is_still_a_tuple_of_arrays(things):

@@ -1,0 +1,124 @@
+"""Tables of names that users of other libraries try first, and what to use instead."""
+
+from __future__ import annotations
+
+_COLORS = "pass colors={body: (255, 0, 0)} to World.view() or Recorder.recording()"
+_FIXED = "World.add() fixes it; remove the body, and add another"
+
+ABSENT = {
+    "Body": {
+        "color": _COLORS,
+        "orientation": "did you mean orientation_xyzw?",
+        "quaternion": "did you mean orientation_xyzw?",
+        "rotation": "did you mean orientation_xyzw, or pose[:3, :3]?",
+        "velocity": "did you mean linear_velocity?",
+    },
+    "Contacts": {
+        "depth": "did you mean depths?",
+        "normal": "did you mean normals?",
+        "points": "did you mean points_a or points_b?",
+    },
+    "Joint": {
+        "limits": "its kind has them: joint.kind.limits",
+    },
+    "Model": {
+        "mass": "a model has none; pass mass=... to World.add() or Model.mass_properties()",
+        "scale": "pass scale=... to Model.from_mesh()",
+        "show": "call trimesh.Trimesh(*model.mesh).show(), or add it to a World and call World.view()",
+        "view": "add it to a World, and call World.view()",
+        "volume": "take that of its mesh: trimesh.Trimesh(*model.mesh).volume",
+    },
+    "World": {
+        "add_body": "did you mean add?",
+        "add_plane": "call add(voxshell.Plane(), mass=0)",
+        "dt": "did you mean time_step?",
+        "load_mjcf": "call voxshell.load_mjcf(world, path)",
+        "load_urdf": "call voxshell.load_urdf(world, path)",
+        "render": "did you mean view?",
+        "run": "did you mean step?",
+        "save_html": "record first: recorder = world.record(), and after the steps recorder.save_html(path)",
+        "save_video": (
+            "record first: recorder = world.record(), and after the steps recorder.recording().save_video(path)"
+        ),
+        "show": "did you mean view?",
+        "simulate": "did you mean step?",
+        "stepSimulation": "did you mean step?",
+    },
+}
+"""Names that a class does not have, and what to do instead."""
+
+OF_PACKAGE = {
+    "createMultiBody": "call World.add(shape, mass=..., pose=...)",
+    "getContactPoints": "call World.contacts(), or voxshell.contacts(a, b) for two bodies without a world",
+    "load": "call voxshell.Model.load(path) or voxshell.Recording.load(path)",
+    "load_mesh": "call voxshell.Model.from_mesh(path)",
+    "load_model": "call voxshell.Model.load(path)",
+    "setGravity": "pass gravity=... to voxshell.World()",
+    "setTimeStep": "pass time_step=... to voxshell.World()",
+    "stepSimulation": "call World.step()",
+}
+"""Names that the package does not have, and what to do instead."""
+
+READ_ONLY = {
+    "Body": {"mass": _FIXED, "motion": _FIXED, "shape": _FIXED},
+    "Joint": {
+        "position": "drive the joint with set_target_position()",
+        "velocity": "drive the joint with set_target_velocity()",
+    },
+    "Model": {"tolerance": "pass tolerance=... to Model.from_mesh()"},
+    "World": {
+        "gravity": "pass gravity=... to voxshell.World()",
+        "time": "it counts the steps; restore_state() returns to an earlier time",
+        "time_step": "pass time_step=... to voxshell.World()",
+    },
+}
+"""Properties of a class that cannot be set, and what to do instead."""
+
+ARGUMENTS = {
+    "Box": {"size": "pass half_extents, half of each edge length"},
+    "World.add": {
+        "color": _COLORS,
+        "scale": "build the model first: Model.from_mesh(mesh, scale=0.001)",
+        "velocity": "set the body's linear_velocity after it was added",
+    },
+    "World.step": {"dt": "it belongs to the world: World(time_step=...)"},
+    "pose": {"quaternion": "pass xyzw=... (real part last) or wxyz=... (real part first)"},
+}
+"""Arguments that a call does not have, and what to do instead."""
+
+UNNAMED = {
+    "Box": "pass half of each edge length as one argument: Box((0.5, 0.5, 0.5))",
+    "Compound": "pass one list of pairs of a shape and its pose: Compound([(shape, pose), ...])",
+    "Model.from_mesh": (
+        "name a factor on the lengths, as in scale=0.001; vertices and faces are one argument: "
+        "Model.from_mesh((vertices, faces))"
+    ),
+    "World.add": "name the rest, as in add(shape, mass=1.0, pose=(0, 0, 1))",
+    "pose": "name the order of a quaternion, xyzw=... or wxyz=...; for a matrix, pass rotation=...",
+}
+"""What to do about too many arguments without names."""
+
+MISSING = {
+    "Mesh": "a Mesh holds the arrays of model.mesh; for a model of a file, call Model.from_mesh(path)",
+}
+"""What to do about arguments that are missing in a call."""
+
+SYNONYMS = {
+    "base_orientation": ("pose",),
+    "base_position": ("pose",),
+    "dt": ("time_step",),
+    "extents": ("half_extents",),
+    "force": ("max_force",),
+    "fps": ("frames_per_second",),
+    "height": ("length",),
+    "length": ("height",),
+    "orientation": ("xyzw", "pose"),
+    "pose_a": ("a_pose", "a_poses"),
+    "pose_b": ("b_pose", "b_poses"),
+    "position": ("pose",),
+    "rotation": ("pose",),
+    "rpy": ("euler",),
+    "torque": ("max_force",),
+    "velocity": ("surface_velocity", "linear_velocity"),
+}
+"""Arguments of other libraries, each with those of ours that it may stand for, best first."""
