@@ -5,14 +5,9 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rich.progress import (
-    BarColumn,
-    Progress,
-    TaskID,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import Progress, TaskID, TextColumn
+
+from voxshell.viewer.terminal_progress import make_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,12 +21,7 @@ def open_progress(console: Console) -> Progress:
     It writes nothing where nobody looks on, such as into a log.
     """
     return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=16),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("[dim]left"),
-        TimeRemainingColumn(elapsed_when_finished=False),
+        *make_columns(),
         TextColumn("[dim]{task.fields[stage]}"),
         console=console,
         disable=not console.is_terminal,

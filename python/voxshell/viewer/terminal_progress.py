@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from rich.progress import ProgressColumn
+
 
 @contextmanager
 def on_terminal(description: str) -> Iterator[Callable[[str, float], object]]:
@@ -23,25 +25,28 @@ def on_terminal(description: str) -> Iterator[Callable[[str, float], object]]:
     """
     from rich.console import Console
     from rich.markup import escape
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import Progress
 
     console = Console(stderr=True)
     with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=16),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("[dim]left"),
-        TimeRemainingColumn(),
+        *make_columns(),
         console=console,
         disable=not console.is_terminal,
         transient=True,
     ) as display:
         task = display.add_task(escape(description), total=1.0)
         yield lambda _, fraction: display.update(task, completed=fraction)
+
+
+def make_columns() -> list[ProgressColumn]:
+    """Return the columns of a task: its description, a bar, the percentage, elapsed and remaining time."""
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    return [
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=16),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("[dim]left"),
+        TimeRemainingColumn(),
+    ]
