@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import MissingExtraError
-from voxshell.measuring.poses import find_poses_between
+from voxshell.measuring.touching_poses import find_poses_between
 from voxshell.model.model import Model
 from voxshell.testing import contacts_flat
 

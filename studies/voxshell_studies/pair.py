@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from voxshell.base.arguments import as_integer, as_positive
 from voxshell.errors import SettingsError
-from voxshell.measuring.poses import find_poses_between
 from voxshell.measuring.timing import pinned
+from voxshell.measuring.touching_poses import find_poses_between
 from voxshell.model.model import Model
 from voxshell.query.queries import collide
 from voxshell.simulation.world import World

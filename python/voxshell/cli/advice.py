@@ -18,7 +18,7 @@ import numpy as np
 
 from voxshell.cli.model_facts import field_bound, shell_bound
 from voxshell.errors import MemoryLimitError
-from voxshell.measuring.poses import find_poses_between
+from voxshell.measuring.touching_poses import find_poses_between
 from voxshell.model.accuracy import AccuracyWarning
 from voxshell.model.meshes import MeshWarning
 from voxshell.model.model import Model

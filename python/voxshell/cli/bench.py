@@ -18,8 +18,8 @@ from voxshell.cli.tables import list_facts, new_table
 from voxshell.errors import SettingsError
 from voxshell.measuring.environment import describe_environment
 from voxshell.measuring.files import finite
-from voxshell.measuring.poses import find_poses_between
 from voxshell.measuring.timing import pinned
+from voxshell.measuring.touching_poses import find_poses_between
 from voxshell.measuring.units import format_length, format_time
 from voxshell.model.model import Model
 from voxshell.query.distances import distance

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
-from voxshell.cli.poses import make_pose, read_poses
+from voxshell.cli.pose_input import make_pose, read_poses
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.cli.tables import new_table
 from voxshell.errors import PoseError, SettingsError

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell.robots.description import Primitive
-from voxshell.robots.mesh_files import read_link_mesh
+from voxshell.robots.link_meshes import read_link_mesh
 from voxshell.robots.solids import bound_moments
 
 if TYPE_CHECKING:

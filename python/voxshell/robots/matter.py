@@ -12,7 +12,7 @@ from voxshell.base.arguments import FARTHEST
 from voxshell.errors import MissingExtraError
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
-from voxshell.robots.mesh_files import read_link_mesh
+from voxshell.robots.link_meshes import read_link_mesh
 from voxshell.robots.sheets import find_sheet
 from voxshell.robots.solids import add_up, bound_moments, weigh_primitive
 

@@ -16,7 +16,7 @@ from voxshell.model.meshes import Mesh, doubt_unit
 from voxshell.model.model import Model
 from voxshell.model.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from voxshell.robots.description import MeshArrays, MeshFile, Primitive
-from voxshell.robots.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.robots.link_meshes import read_link_mesh, refuse_mesh
 from voxshell.robots.sheets import Sheet, find_sheet
 from voxshell.simulation.comparison_shapes import ConvexHull
 from voxshell.simulation.compound import Compound, Part

@@ -11,7 +11,7 @@ from voxshell import _bullet
 from voxshell.base.arguments import as_fraction, as_integer, as_not_negative, as_vector
 from voxshell.simulation.material import Material, as_material
 from voxshell.simulation.motion import check_surface
-from voxshell.simulation.part import WorldPart
+from voxshell.simulation.world_part import WorldPart
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -14,7 +14,7 @@ from voxshell.base.calls import explain_calls
 from voxshell.base.near_names import know_near_names
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.joint_kinds import HingeJoint, JointKind, SliderJoint
-from voxshell.simulation.part import WorldPart
+from voxshell.simulation.world_part import WorldPart
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -22,7 +22,7 @@ from voxshell.simulation.limits import check_extent, check_mass
 from voxshell.simulation.material import Material, as_material
 from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
 from voxshell.simulation.pair_watch import PairWatch
-from voxshell.simulation.part import check_own
+from voxshell.simulation.world_part import check_own
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -16,8 +16,8 @@ from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FLOOR_COLOR, FORCE_COLOR
 from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
+from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
-from voxshell.viewer.surface import split_creases
 from voxshell.viewer.timeline import Timeline
 
 if TYPE_CHECKING:

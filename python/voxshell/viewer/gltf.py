@@ -15,7 +15,7 @@ from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import build_pin_mesh, color_depths
 from voxshell.viewer.quaternions import as_steady, normals_as_wxyz, rotations_as_wxyz
-from voxshell.viewer.surface import find_vertex_normals, is_faceted
+from voxshell.viewer.shading import find_vertex_normals, is_faceted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

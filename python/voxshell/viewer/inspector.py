@@ -27,7 +27,7 @@ from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
-from voxshell.viewer.surface import is_faceted
+from voxshell.viewer.shading import is_faceted
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -21,8 +21,8 @@ from voxshell.viewer.palette import (
 )
 from voxshell.viewer.pins import LEAST_DEPTH, as_light, build_pins
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
+from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import nice_length
-from voxshell.viewer.surface import split_creases
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -18,8 +18,8 @@ from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
+from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage
-from voxshell.viewer.surface import split_creases
 from voxshell.viewer.terminal_progress import on_terminal
 from voxshell.viewer.timeline import plan_timeline
 from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate

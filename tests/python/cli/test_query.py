@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
-from voxshell.cli.poses import make_pose
+from voxshell.cli.pose_input import make_pose
 
 TURNED = (0.001, 0.002, 0.045, 0.5, 0.5, 0.5, 0.5)
 

@@ -13,8 +13,8 @@ from voxshell.viewer.lanes import Lane, activity_bounds, arrange_lanes, view_axe
 from voxshell.viewer.page import add_heading
 from voxshell.viewer.pins import DEPTH_COLORS, build_pin_mesh, build_pins, full_depth
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
+from voxshell.viewer.shading import is_faceted
 from voxshell.viewer.stage import VIEW_ASPECT, find_slabs, place_camera, plan_stage
-from voxshell.viewer.surface import is_faceted
 from voxshell.viewer.timeline import plan_timeline
 
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.1)

@@ -12,7 +12,7 @@ from voxshell.base.poses import pose as make_pose
 from voxshell.errors import MeshError
 from voxshell.model.meshes import Mesh, read_mesh
 from voxshell.robots.description import MeshArrays, MeshFile
-from voxshell.robots.mesh_files import read_link_mesh, refuse_mesh
+from voxshell.robots.link_meshes import read_link_mesh, refuse_mesh
 from voxshell.robots.mjcf.compiler import normalize
 from voxshell.robots.mjcf.defaults import MAIN
 from voxshell.robots.mjcf.mesh_matter import weigh_mesh

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from voxshell.viewer.surface import find_vertex_normals, split_creases
+from voxshell.viewer.shading import find_vertex_normals, split_creases
 
 
 def test_edges_get_vertices_on_both_sides_and_round_sides_none():
