@@ -35,7 +35,6 @@ NOT_RUN = {
 # Blocks that stand four to the right and are no commands, by how they begin.
 NO_COMMANDS = {
     "find_package(": "CMake; build_example.cmake builds examples/bullet in this way",
-    "base <- ": "the table of layers",
 }
 # What the text around a block of C++ says is there.
 CPP_SURROUNDINGS = {

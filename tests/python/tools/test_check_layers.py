@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import check_layers
 import pytest
 from trees import write_tree
+
+ROOT = Path(__file__).resolve().parents[3]
 
 # A tree in which every direction that is allowed is used.
 CLEAN = {
@@ -282,6 +285,17 @@ def test_a_circle_of_imports_is_reported(tmp_path: Path, inside: str) -> None:
     [violation] = [str(violation) for violation in check_layers.check(tmp_path)]
     assert "circle of imports: " in violation
     assert "voxshell.simulation.world -> voxshell.simulation.recorder" in violation
+
+
+def test_the_table_of_folders_has_the_directions_that_are_checked() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([^`]+)` \|.*\| (.+) \|$", text, re.MULTILINE)
+    stated = {folder: set(cell.split(", ")) - {"-"} for folder, cell in rows}
+    places = {"front": "python/voxshell/__init__.py", "studies": "studies/voxshell_studies"}
+    checked = {f"core/src/{layer}": may for layer, may in check_layers.CORE_MAY_INCLUDE.items()}
+    for room, may in check_layers.PYTHON_MAY_IMPORT.items():
+        checked[places.get(room, f"python/voxshell/{room}")] = may
+    assert {folder: stated.get(folder) for folder in checked} == checked
 
 
 def test_command_line_says_how_many_and_fails(
