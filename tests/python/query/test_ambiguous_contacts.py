@@ -62,11 +62,11 @@ def test_ambiguous_contacts_are_of_a_place_inside(cube: vx.Model):
         assert len(vx.contacts(cube, cube, shell=shell)) == 0
 
 
-def sweep_depths(model: vx.Model, thickness: float, *, at: tuple[float, float] = (0.0, 0.0)):
+def sweep_depths(model: vx.Model, thickness: float):
     """Contacts of a cube that is sunk into a wall, to fractions of half of its thickness."""
     cube = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.02, 0.02)))
     for fraction in (0.02, 0.3, 0.6, 0.85, 0.97, 1.0):
-        pose = at(*at, 0.01 + 0.5 * thickness * (1.0 - fraction))
+        pose = at(z=0.01 + 0.5 * thickness * (1.0 - fraction))
         found = vx.contacts(cube, model, pose, shell="a")
         depths = 2.0 * found.depths / thickness
         below = (found.points_a[:, 2] < pose[2, 3] - 0.0099) & (depths > 0.9 * fraction)
