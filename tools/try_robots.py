@@ -42,100 +42,12 @@ FORMATS = {"urdf": ".urdf", "mjcf": ".xml"}
 MJCF_ROOT = re.compile(rb"\s*(<\?.*?\?>\s*|<!--.*?-->\s*)*<mujoco\b", re.DOTALL)
 
 HEADS = {
-    "urdf": """# Robots
+    "urdf": """# Robots that were tested
 
-`vx.load_urdf` adds the robot of a URDF file to a world, and `vx.load_mjcf` does so with [models of MuJoCo](mjcf.md). This
-program writes a small arm to a file, loads it, and moves it. Replace the path by that of your robot:
-
-```python
-import pathlib
-
-import voxshell as vx
-
-path = pathlib.Path("arm.urdf")
-path.write_text(\"\"\"
-<robot name="arm">
-  <link name="base">
-    <collision><geometry><cylinder radius="0.08" length="0.1"/></geometry></collision>
-  </link>
-  <link name="upper">
-    <inertial><origin xyz="0.2 0 0"/><mass value="1.5"/>
-      <inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.06 0.06"/></geometry></collision>
-  </link>
-  <link name="lower">
-    <inertial><origin xyz="0.15 0 0"/><mass value="1.0"/>
-      <inertia ixx="0.001" iyy="0.008" izz="0.008" ixy="0" ixz="0" iyz="0"/></inertial>
-    <collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.04 0.04"/></geometry></collision>
-  </link>
-  <link name="hand"/>
-  <joint name="shoulder" type="revolute">
-    <parent link="base"/><child link="upper"/><origin xyz="0 0 0.1"/><axis xyz="0 -1 0"/>
-    <limit lower="-1.5" upper="1.5" effort="50" velocity="1"/>
-  </joint>
-  <joint name="elbow" type="revolute">
-    <parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/><axis xyz="0 -1 0"/>
-    <limit lower="-2" upper="2" effort="20" velocity="1"/>
-  </joint>
-  <joint name="wrist" type="fixed">
-    <parent link="lower"/><child link="hand"/><origin xyz="0.3 0 0"/>
-  </joint>
-</robot>\"\"\")
-world = vx.World()
-world.add(vx.Plane(offset=-0.05), mass=0)
-robot = vx.load_urdf(world, path)
-print(robot)  # Robot('arm', 4 links, 2 joints that move)
-
-robot.set_targets({{"shoulder": 0.8, "elbow": -0.5}})  # radians, with the efforts of the file
-world.step(400)
-print(dict(robot.positions))  # {{'shoulder': 0.8, 'elbow': -0.5}} to a thousandth
-print(robot.links["hand"].pose[:3, 3].round(3))  # [0.565 0.    0.476]
-print(robot.joints["elbow"].reaction.torque.round(2))  # what holds the lower arm, newton meters
-```
-
-All joints begin at position 0, or where you tell them to, as in `vx.load_urdf(world, path, positions={{"elbow": -0.5}})`, in
-radians or meters. Joints whose limits exclude 0 begin at the nearest limit, and a `RobotWarning` names them. Joints move freely
-until you drive them. The root link is fixed to the world, unless you pass `fixed_base=False`. `vx.load_urdf` returns a `Robot`:
-
-| what | contents |
-|---|---|
-| `robot.links["hand"]` | a link: its `pose` in the world, the `body` that it is part of, its `color`. Links that fixed joints hold together are one body |
-| `robot.joints["elbow"]` | a [joint](joints.md) that turns or slides: position, velocity, reaction, motor |
-| `robot.ball_joints` | joints that turn about a point; they have no motor |
-| `robot.bodies` | the bodies of all links |
-| `robot.positions`, `robot.velocities` | radians or meters, and rad/s or m/s, of all joints that turn or slide, by name; to read |
-| `robot.set_positions({{...}})` | puts joints at positions at once and at rest, as for a new episode |
-| `robot.set_targets({{...}})` | drives joints to positions, at most with the effort and the velocity in the file. If the file states no effort, pass `max_force`. `robot.set_targets(robot.positions)` holds the robot where it is |
-| `robot.set_target_velocities({{...}})`, `robot.release()` | drive joints at velocities; turn motors off |
-| `robot.remove()` | removes the robot from its world |
-
-Collision meshes become [models](start.md) of 100 voxels along the longest side, or convex hulls with `mesh_as="hull"`, which
-load faster. If an `AccuracyWarning` says that these models may miss contacts with others, pass a `tolerance` in meters, such as
-`tolerance=0.0002`. The first load then takes two to eight times as long (Panda: 2.5 s instead of 1.1 s, UR5: 13 s instead of
-1.7 s), and steps took 0.4 to 1.9 times as long with six robots. Links of the robot do not collide with each other, unless you
-pass `self_collision=True`. Links without a `<collision>` touch nothing. A `RobotWarning` names those that have a `<visual>`, and
-the links and files of faulty meshes.
-
-Bodies have friction 0.5, unless you pass `friction`, or links have the element `<contact>` that pybullet adds to URDF. Its
-`lateral_friction`, `restitution`, `rolling_friction` and `spinning_friction` are read; a body of several links gets the largest
-of each. A `RobotWarning` names the other elements in it, such as `stiffness` and `damping`, which are not simulated.
-
-A `RobotWarning` also names elements of the robot, its links and its joints that URDF does not have, such as `<colision>`, with
-the name that was probably meant. Common extensions, such as `<gazebo>`, `<transmission>` and `<drake:joint>`, are not read and not
-named. A file with elements of xacro is refused: expand it first with `xacro robot.urdf.xacro > robot.urdf`.
-
-Some files have a placeholder for the inertia, such as 1 kg m2 for a domino of 25 g, with which a body hardly turns. pybullet does
-not show this, because it computes inertias from the shapes unless it gets `URDF_USE_INERTIA_FROM_FILE`. A `RobotWarning` names
-each link whose radius of gyration is more than 5 times the distance from its center of mass to the farthest point of its
-collision geometry. No matter inside of the geometry exceeds 1 times. Pass `inertia="shape"` to take the inertias of the shapes,
-with the masses and centers of mass of the file.
-
-## Robots that were tried
-
-This section lists what `vx.load_urdf` does with every URDF file of the packages below. Each robot that loads then moves freely for
-{steps} steps. Some files leave out masses, inertias, limits or collisions, have joints that cannot begin at 0, or have elements that
-are not read. They load with a `RobotWarning`, which states what voxshell used instead. The last column quotes the error of a refused file. The meshes were
-loaded {kind}. These commands write the page:
+This page lists what `vx.load_urdf` does with every URDF file of the packages below; [Robots](robots.md) explains how to use it.
+Each robot that loads then moves freely for {steps} steps. Some files leave out masses, inertias, limits or collisions, have
+joints that cannot begin at 0, or have elements that are not read. They load with a `RobotWarning`, which states what voxshell
+used instead. The last column quotes the error of a refused file. The meshes were loaded {kind}. These commands write the page:
 
 ```
 pip install --no-deps --target robots {packages}
@@ -143,60 +55,13 @@ pip install --no-deps --target robots {packages}
 ```
 
 """,
-    "mjcf": """# Models of MuJoCo
+    "mjcf": """# MJCF files that were tested
 
-`vx.load_mjcf` loads MJCF files, the XML of MuJoCo. A file becomes one robot, even if it describes a scene of several bodies:
-
-```python
-import pathlib
-
-import voxshell as vx
-
-path = pathlib.Path("scene.xml")
-path.write_text(\"\"\"
-<mujoco model="scene">
-  <worldbody>
-    <geom name="floor" type="plane" size="1 1 0.1"/>
-    <body name="arm" pos="0 0 0.5">
-      <joint name="shoulder" axis="0 1 0" range="-90 90" damping="0.1"/>
-      <geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.03"/>
-    </body>
-    <body name="cup" pos="0 0.5 0.2"><freejoint/><geom type="cylinder" size="0.04 0.05"/></body>
-  </worldbody>
-</mujoco>\"\"\")
-world = vx.World()
-robot = vx.load_mjcf(world, path)
-robot.set_targets({{"shoulder": 0.3}}, max_force=50.0)
-world.step(400)
-print(robot.positions["shoulder"], robot.links["cup"].pose[:3, 3])
-```
-
-| in the file | in voxshell |
-|---|---|
-| `<worldbody>` | the link `world`: one static body, and one for each plane, such as `world/floor` |
-| body | a link with the same name. A body without joints is rigidly part of the body that contains it, or static in `<worldbody>` |
-| body with several joints | a chain of links: the joint `hip_x` moves the link `torso/hip_x`. Each link between two joints gets a tenth of the body's matter |
-| `hinge`, `slide`, `ball`, `freejoint` | `HingeJoint`, `SliderJoint`, `PointJoint`, no joint; with range, damping, frictionloss, stiffness, springref, armature and `actuatorfrcrange` |
-| positions | `qpos` of MuJoCo. `vx.load_mjcf(world, path, positions={{"shoulder": 0.3}})` sets those at the start. A joint whose `ref` is beyond its range begins at the nearest limit |
-| mass and inertia | as MuJoCo compiles them, also from geoms and meshes |
-| box, sphere, capsule, cylinder, ellipsoid, plane, mesh | the same shapes; ellipsoids become models. Meshes (STL, OBJ, MSH, inline) become models of 100 voxels along the longest side, or to a `tolerance=`, or hulls with `mesh_as="hull"`. MuJoCo always takes hulls |
-| `contype`, `conaffinity`, `<exclude>`, `<pair>`, parents | decide which bodies of the file collide. A body collides as a whole: if any two geoms may collide, their bodies do. Bodies of one tree that overlap at the start by more than 2 % of the smaller one do not collide; a warning names them. Bodies that your program adds collide with all |
-| friction | a body has the largest friction of its geoms. Bullet multiplies the frictions of two bodies, MuJoCo takes the larger one. A warning names each `<pair>` whose friction its bodies do not have |
-| contacts without friction: `condim="1"` of both geoms, `<pair>` with `condim="1"` or friction 0 | as in MuJoCo if all contacts of one of the two bodies are frictionless; a static body or a body of another tree then has friction 0. Otherwise the bodies keep their frictions, and a warning names the geoms |
-| `<default>`, `<include>`, `<attach>`, `<frame>`, `<compiler>` | as in MuJoCo; `<replicate>`, global coordinates and meshes that MuJoCo makes (`builtin`) are refused |
-| `<freejoint align="true">`, `alignfree` | the link has the frame of the body's inertia, as in MuJoCo |
-| unknown elements and attributes | refused; the error suggests the name that was probably meant. All names of MuJoCo 2.2.0 to 4.0.0 are known |
-| limits of actuators: `forcerange`, and `ctrlrange` of a `motor`, times `gear` | the `max_force` of `robot.set_targets`, if the joint has one actuator; at most its `actuatorfrcrange` |
-| `<actuator>`, `<tendon>`, `<equality>`, springs and armatures of tendons and balls, height fields, soft bodies, mocap, fluids | not simulated; one `RobotWarning` lists them |
-| `<option>` | the world's gravity and time step apply; if the file states another gravity or `timestep`, a warning says so |
-| `<flag>` | `contact` and `filterparent` hold for the bodies of the file. A warning names `gravity`, `constraint`, `limit`, `frictionloss`, `damper` and `passive` if they are disabled; other flags are not read |
-| `<keyframe>` | `vx.load_mjcf(world, path, keyframe="home")` lets all joints begin at the `qpos` of the `<key>` with that name; the rest is not read |
-| solver parameters, sensors, sites, cameras, pictures | not read |
-
-The tables list what `vx.load_mjcf` does with every MJCF file of the packages below. Each model that loads then moves freely
-for {steps} steps. Files with elements that are not simulated load with a warning. The last column quotes the error of a refused
-file. Most of the refused files are parts that other files include, or name files that are not in the package; MuJoCo refuses
-`xarm7_gripper.xml`, too. The meshes were loaded {kind}. These commands write the page:
+This page lists what `vx.load_mjcf` does with every MJCF file of the packages below; [Models of MuJoCo](mjcf.md) explains how to
+use it. Each model that loads then moves freely for {steps} steps. Files with elements that are not simulated load with a
+warning. The last column quotes the error of a refused file. Most of the refused files are parts that other files include, or
+name files that are not in the package; MuJoCo refuses `xarm7_gripper.xml`, too. The meshes were loaded {kind}. These commands
+write the page:
 
 ```
 pip install --no-deps --target robots {packages}
@@ -205,6 +70,7 @@ pip install --no-deps --target robots {packages}
 
 """,
 }
+"""Beginnings of the pages, docs/robots-tested.md and docs/mjcf-tested.md."""
 
 
 @dataclass(frozen=True)

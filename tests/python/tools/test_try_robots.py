@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -34,7 +35,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_page_says_what_became_of_each_file(folder, tmp_path, capsys):
-    page = tmp_path / "robots.md"
+    page = tmp_path / "robots-tested.md"
     assert try_robots.main([str(folder), "--steps", "2", "--write", str(page)]) == 0
     lines = page.read_text().splitlines()
     assert "| arms | 2 | 2 | 1 | 0 |" in lines
@@ -46,9 +47,8 @@ def test_the_page_says_what_became_of_each_file(folder, tmp_path, capsys):
         "| legs | bad.urdf |  |  | refused | RobotError: bad.urdf: it has no &lt;link> |" in lines
     )
     assert str(tmp_path) not in page.read_text().rsplit("```", 1)[1]
-    assert page.read_text().startswith(
-        (ROOT / "docs/robots.md").read_text().split("## Robots", 1)[0]
-    )
+    kept = (ROOT / "docs/robots-tested.md").read_text().split("freely for", 1)[0]
+    assert page.read_text().startswith(kept)
     assert "2 of 3 files load" in capsys.readouterr().out
 
 
@@ -60,13 +60,15 @@ def test_models_of_mujoco_are_found_by_their_root(tmp_path):
     (folder / "part.xml").write_text("<mujocoinclude/>")
     (folder / "other.xml").write_text("<robot><mujoco/></robot>")
     (folder / "bad.xml").write_text("<mujoco/>")
-    page = tmp_path / "mjcf.md"
+    page = tmp_path / "mjcf-tested.md"
     arguments = [str(folder), "--format", "mjcf", "--steps", "2", "--write", str(page)]
     assert try_robots.main(arguments) == 0
     lines = page.read_text().splitlines()
     assert "| all | 2 | 1 | 0 | 1 |" in lines
     assert any(line.endswith("| good.xml | 2 | 1 | loads |  |") for line in lines)
     assert "--format mjcf --mesh-as hull --steps 2" in page.read_text()
+    kept = (ROOT / "docs/mjcf-tested.md").read_text().split("freely for", 1)[0]
+    assert page.read_text().startswith(kept)
 
 
 def test_files_of_an_installed_package_have_its_name_and_version(folder):
@@ -113,3 +115,15 @@ def test_a_file_that_ends_the_process_fails_and_the_next_is_tried(folder, tmp_pa
 def test_a_folder_without_robots_is_said(tmp_path, capsys):
     assert try_robots.main([str(tmp_path)]) == 1
     assert f"no URDF file below {tmp_path}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["robots", "mjcf"])
+def test_the_guides_state_the_counts_of_the_tables(name):
+    guide = (ROOT / f"docs/{name}.md").read_text()
+    stated = re.search(r"([\d,]+) of the ([\d,]+) \w+ files of (\d+) packages load, ([\d,]+) of", guide)
+    assert stated is not None
+    loaded, files, packages, warned = (int(text.replace(",", "")) for text in stated.groups())
+    summary = (ROOT / f"docs/{name}-tested.md").read_text().split("| package | file | links")[0]
+    rows = re.findall(r"^\| (.+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", summary, re.M)
+    assert len(rows) - 1 == packages
+    assert rows[-1] == ("all", str(files), str(loaded), str(warned), str(files - loaded))
