@@ -267,11 +267,15 @@ def _tabulate_times(comparison: Comparison, peers: list[PeerResult]) -> list[str
         "",
         "## Times",
         "",
-        f"Each cell has the median and the 99th percentile of a query. {POSES} poses that differ by at "
-        f"most {1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad are queried repeatedly for "
-        f"{comparison.settings.case_seconds:g} s. The last number of a cell is the median over poses of "
-        "the least time, as a multiple of the first row's; `cases.csv` has the times. Other work on the "
-        "machine disturbs the least time less, unless a query is longer than a time slice of some 4 ms. "
+        f"{POSES} poses that differ by at most {1e3 * SHIFT:g} mm and {1e3 * TURN:g} mrad are queried "
+        f"repeatedly for {comparison.settings.case_seconds:g} s. A cell has three figures:",
+        "",
+        "1. the median time of a query;",
+        "2. its 99th percentile;",
+        "3. the median over poses of the least time, as a multiple of the first row's (`cases.csv` has the "
+        "times). Other work on the machine disturbs the least time less, unless a query is longer than a "
+        "time slice of some 4 ms.",
+        "",
         "Preparation is in seconds; the time for convex parts comes first. The table of settings says "
         "what is timed. Pairs have no ground, so the rows with an analytic ground have no figures for "
         "them.",
