@@ -59,7 +59,7 @@ def bench(
     For example:
 
         voxshell bench bunny.vxs
-        voxshell bench part.stl --scale 0.001 --voxel-size 0.001 --poses 1000
+        voxshell bench part.stl --scale 0.001 --tolerance 0.0001 --poses 1000
 
     Args:
         mesh: A model file (.vxs), or a mesh file.

@@ -33,12 +33,12 @@ def build(
 
     `voxshell query`, `voxshell.Model.load` and `voxshell/model_file.h` read the file in
     milliseconds. The file appears only once it is complete. `voxshell info MESH --advise` helps to
-    choose sizes.
+    choose sizes of uniform models.
 
-    For example, a part in millimeters with voxels of 2 mm, and a bunny with a given number of
-    points:
+    For example, a part in millimeters with errors of at most 0.1 mm, and a uniform model of a bunny
+    with a given number of points, as in the thesis:
 
-        voxshell build part.stl -o part.vxs --scale 0.001 --voxel-size 0.002
+        voxshell build part.stl -o part.vxs --scale 0.001 --tolerance 0.0001
         voxshell build bunny.obj -o bunny.vxs --resolution 200 --target-points 5000
 
     Args:

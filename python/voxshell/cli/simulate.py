@@ -56,7 +56,7 @@ def scene(
         [meshes.part]
         file = "part.stl"
         scale = 0.001
-        voxel_size = 0.002
+        tolerance = 0.0002
         [bodies.ground]
         shape = "plane"
         [bodies.part]

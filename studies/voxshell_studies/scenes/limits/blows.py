@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from voxshell_studies.scenes.everyday.scene import Form
 
 ROCKING = "Rocking blocks"
-SLOW = "Slow blows"
+SLOW = "Slow impacts"
 TURNED = "Rebounds with a turn"
 ROOMS = "Elastic bodies in narrow rooms"
 SEVERAL = "Several rebounds within one step"
@@ -327,7 +327,7 @@ _LOSSES = (
     ),
     *(
         LimitScene(
-            f"plate of 1 by 20 by 30 cm falls aslant at 3 m/s, restitution {restitution:g}",
+            f"plate of 1 by 20 by 30 cm falls at an angle at 3 m/s, restitution {restitution:g}",
             TURNED,
             "depth of a corner",
             "mm",

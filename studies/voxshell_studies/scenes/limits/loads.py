@@ -220,7 +220,7 @@ _STANDING = (
         for slenderness in (4.0, 16.0)
     ),
     LimitScene(
-        "needle of 1 mm by 1 m falls aslant on a slab of 5 m",
+        "needle of 1 mm by 1 m falls at an angle on a slab of 5 m",
         NEEDLES,
         "depth of a corner",
         "mm",
