@@ -8,6 +8,12 @@ from voxshell.robots.mjcf.model_file import ModelFile, read_model
 from voxshell.robots.xml_elements import Element
 
 
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo appends its warnings to MUJOCO_LOG.TXT in the working folder."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def write(tmp_path: Path) -> Callable[..., Path]:
     """Writes a model of the given content, and returns its path."""
