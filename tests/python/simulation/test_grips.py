@@ -87,6 +87,12 @@ def test_kinematic_fingers_hold_what_they_press(rate: float, press: float, smoot
     assert np.abs(slip).max() < 2e-4
 
 
+@pytest.mark.parametrize("rate", [1000.0, 200.0, 60.0])
+def test_kinematic_fingers_hold_by_a_tenth_of_the_rest_margin(rate: float):
+    """The force begins with the overlap: that margin is 0.1 mm here."""
+    assert abs(carry(force=None, rate=rate, press=1e-5)[2]) < 2e-5
+
+
 @pytest.mark.parametrize(
     ("force", "speed", "seconds", "beyond"),
     [
