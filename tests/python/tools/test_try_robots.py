@@ -120,7 +120,9 @@ def test_a_folder_without_robots_is_said(tmp_path, capsys):
 @pytest.mark.parametrize("name", ["robots", "mjcf"])
 def test_the_guides_state_the_counts_of_the_tables(name):
     guide = (ROOT / f"docs/{name}.md").read_text()
-    stated = re.search(r"([\d,]+) of the ([\d,]+) \w+ files of (\d+) packages load, ([\d,]+) of", guide)
+    stated = re.search(
+        r"([\d,]+) of the ([\d,]+) \w+ files of (\d+) packages load, ([\d,]+) of", guide
+    )
     assert stated is not None
     loaded, files, packages, warned = (int(text.replace(",", "")) for text in stated.groups())
     summary = (ROOT / f"docs/{name}-tested.md").read_text().split("| package | file | links")[0]
