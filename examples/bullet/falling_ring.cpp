@@ -38,7 +38,7 @@ int main() {
   world.setGravity(btVector3(0, 0, -9.81));
   world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // rebounds as the restitution says
 
-  const auto model = voxshell::Model::build(make_ring(0.1, 0.03), {.voxel_size = 0.003});
+  const auto model = voxshell::Model::build(make_ring(0.1, 0.03), {.tolerance = 0.0001});
   if (!model) return std::puts(model.error().message.c_str()), 1;
   voxshell::bullet::ModelShape ring(*model);  // voxshell, as any other shape
   btBoxShape table(btVector3(1, 1, 0.1));
