@@ -6,7 +6,7 @@ from voxshell_studies.experiment import Experiment
 from voxshell_studies.report.accuracy import ACCURACY
 from voxshell_studies.report.ball import BALL
 from voxshell_studies.report.bunny import BUNNY
-from voxshell_studies.report.everyday import EVERYDAY
+from voxshell_studies.report.everyday.experiment import EVERYDAY
 from voxshell_studies.report.gears import GEARS
 from voxshell_studies.report.geometry.experiment import GEOMETRY
 from voxshell_studies.report.limits import LIMITS

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell_studies import rest
 from voxshell_studies.experiment import Experiment, Picture
 from voxshell_studies.report.figures import FAINT, OURS, OURS_COARSE, PEERS, open_figure
-from voxshell_studies.rest import RestSettings
+from voxshell_studies.rest import study
+from voxshell_studies.rest.study import RestSettings
 from voxshell_studies.verdict import Row, at_most
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def describe(settings: RestSettings) -> str:
         f"The bunny is released {settings.height * 1e2:g} cm above the ground in {settings.orientations} "
         f"orientations, at {settings.rate:g} Hz, with the fine and the coarse shell and every contact "
         "rule, on a block of voxels and on an analytic plane. Its angular speed is the largest of the "
-        f"last {rest.WINDOW_SECONDS:g} s before {settings.settle_seconds:g} s after touch-down. Its "
+        f"last {study.WINDOW_SECONDS:g} s before {settings.settle_seconds:g} s after touch-down. Its "
         f"drift is the largest displacement in the next {settings.drift_seconds:g} s. No body sleeps in "
         "these runs; a second set of runs with sleeping on shows whether the bunny falls asleep. "
         "Bullet's own hull of the bunny, with 42 vertices, does the same for comparison. Other engines "
@@ -74,11 +74,11 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
     """Return the verdicts."""
     rows = []
     others = _tell_others(settings, results)
-    for held, beside in rest.HULLS.items():
-        hull = results[rest.name_rest("plane", beside, "auto", held=held)]["runs"]
+    for held, beside in study.HULLS.items():
+        hull = results[study.name_rest("plane", beside, "auto", held=held)]["runs"]
         hull_name = "Bullet's hull" if not held else "Bullet's whole hull"
-        for ground, shell, mode in product(rest.GROUNDS, rest.SHELLS, rest.MODES):
-            runs = results[rest.name_rest(ground, shell, mode, held=held)]["runs"]
+        for ground, shell, mode in product(study.GROUNDS, study.SHELLS, study.MODES):
+            runs = results[study.name_rest(ground, shell, mode, held=held)]["runs"]
             who = f"{shell}, {mode}, {GROUND_NAMES[ground]}"
             if held:
                 who += f", {_name_friction(settings)}"
@@ -123,10 +123,10 @@ def reduce(settings: RestSettings, results: Results) -> list[Row]:
 def _rows_of_others(settings: RestSettings, results: Results) -> list[Row]:
     """Return rows on orientations for which the rolling friction was not chosen."""
     rows = []
-    for ground, shell in product(rest.GROUNDS, rest.SHELLS) if settings.others > 0 else ():
+    for ground, shell in product(study.GROUNDS, study.SHELLS) if settings.others > 0 else ():
         missed, count = [], 0
-        for mode in rest.MODES:
-            runs = results[rest.name_rest(ground, shell, mode, held=True, others=True)]["runs"]
+        for mode in study.MODES:
+            runs = results[study.name_rest(ground, shell, mode, held=True, others=True)]["runs"]
             calm = (runs["angular_speed"] < MOST_TURNING) & (runs["drift"] < MOST_DRIFT)
             count += len(calm)
             missed += [
@@ -166,7 +166,7 @@ def _tell_others(settings: RestSettings, results: Results) -> str:
 
 def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
     rows = []
-    for roller, rate in product(rest.ROLLERS, settings.roll_rates):
+    for roller, rate in product(study.ROLLERS, settings.roll_rates):
         name = f"roll-{roller}-{rate:g}"
         count, here, note = (
             settings.orientations,
@@ -197,7 +197,7 @@ def _rows_of_rolling(settings: RestSettings, results: Results) -> list[Row]:
 def count_below(settings: RestSettings, tables: Tables, limit: float) -> int:
     """Count orientations that stay below a limit, rad/s, before ``settle_seconds``."""
     table = tables["turning"]
-    late = table["time"] > settings.settle_seconds - rest.WINDOW_SECONDS
+    late = table["time"] > settings.settle_seconds - study.WINDOW_SECONDS
     window = late & (table["time"] <= settings.settle_seconds)
     turning = table["orientation"][window & (table["angular_speed"] >= limit)]
     return settings.orientations - len(np.unique(turning))
@@ -233,11 +233,11 @@ def draw(settings: RestSettings, results: Results, folder: Path) -> list[Picture
     with open_figure(folder / "rest.png", width=9, height=7.2) as figure:
         turning, drift = figure.subplots(2, 1, sharex=True)
         colors = {"fine": OURS, "coarse": OURS_COARSE, "hull": PEERS[1], "whole-hull": PEERS[0]}
-        cases = list(product(rest.GROUNDS, rest.SHELLS, rest.MODES))
+        cases = list(product(study.GROUNDS, study.SHELLS, study.MODES))
         labels = [f"{shell}\n{mode}\n{ground}" for ground, shell, mode in cases]
-        for held, hull in rest.HULLS.items():
+        for held, hull in study.HULLS.items():
             for place, case in enumerate([*cases, ("plane", hull, "auto")]):
-                runs = results[rest.name_rest(*case, held=held)]["runs"]
+                runs = results[study.name_rest(*case, held=held)]["runs"]
                 at = place + (0.2 if held else -0.2)
                 look = {"marker": "o", "mfc": "none"} if held else {"marker": "o"}
                 for axes, key, scale in ((turning, "angular_speed", 1.0), (drift, "drift", 1e3)):
@@ -302,7 +302,7 @@ REST = Experiment(
     describe=describe,
     settings=RestSettings(),
     quick=replace(RestSettings(), orientations=4, others=4, roll_rates=(200.0, 1000.0)),
-    plan=rest.plan,
+    plan=study.plan,
     reduce=reduce,
     draw=draw,
     published=False,

@@ -12,8 +12,8 @@ from voxshell.errors import SettingsError
 from voxshell_studies.everyday import study
 from voxshell_studies.everyday.study import EverydaySettings, measure_scene, name_part, plan
 from voxshell_studies.part import compute_part
-from voxshell_studies.report.everyday import EVERYDAY, TABLE
-from voxshell_studies.report.everyday_table import Line, Worst, format_error
+from voxshell_studies.report.everyday.experiment import EVERYDAY, TABLE
+from voxshell_studies.report.everyday.table import Line, Worst, format_error
 from voxshell_studies.scenes.everyday import SCENES, drops, forms, held_out, laws
 from voxshell_studies.scenes.everyday.scene import ENGINES, Engine, Measure, Track, heading, turn
 from voxshell_studies.scenes.geometry_bodies import make_body

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from voxshell.model.mass_properties import MassProperties
-from voxshell_studies.rest_mujoco import MuJoCoFall
+from voxshell_studies.rest.mujoco import MuJoCoFall
 
 
 def test_mujoco_lets_a_box_fall_and_lie():

@@ -20,7 +20,7 @@ from voxshell.simulation.comparison_shapes import ConvexHull
 from voxshell.simulation.world import World
 
 from voxshell_studies.part import Part
-from voxshell_studies.rest_mujoco import MuJoCoFall
+from voxshell_studies.rest.mujoco import MuJoCoFall
 from voxshell_studies.scenes.bunny import (
     ORIENTATIONS_WXYZ,
     BunnySettings,

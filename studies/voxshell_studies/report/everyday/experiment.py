@@ -14,7 +14,7 @@ from voxshell_studies.everyday import study
 from voxshell_studies.everyday.study import EverydaySettings, name_part
 from voxshell_studies.experiment import Experiment, Picture
 from voxshell_studies.motion import restore
-from voxshell_studies.report.everyday_table import (
+from voxshell_studies.report.everyday.table import (
     ENGINE_NAMES,
     count_holding,
     format_bar,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from voxshell_studies.experiment import Results
     from voxshell_studies.motion import Surface
     from voxshell_studies.part import Tables
-    from voxshell_studies.report.everyday_table import Line
+    from voxshell_studies.report.everyday.table import Line
     from voxshell_studies.scenes.everyday.scene import Engine, EverydayScene, Item
 
 TABLE = "table.md"

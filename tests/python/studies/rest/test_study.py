@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from experiments import compute, draw
-from voxshell_studies import rest
 from voxshell_studies.report.rest import REST, count_below, find_stills
+from voxshell_studies.rest import study
 
 
 @pytest.fixture(scope="module")
 def rests():
     settings = replace(
-        rest.RestSettings(),
+        study.RestSettings(),
         orientations=2,
         others=2,
         settle_seconds=1.0,
@@ -40,7 +40,7 @@ def test_rest_has_every_ground_shell_and_mode(rests, tmp_path):
 @pytest.mark.parametrize("held", [False, True])
 def test_rest_bars_follow_the_data(rests, held):
     settings, results = rests
-    name = rest.name_rest("plane", "fine", "regular", held=held)
+    name = study.name_rest("plane", "fine", "regular", held=held)
     who = "fine, regular, analytic plane" + (", 8 mm of rolling friction" if held else "")
     for value, holds in ((1e-5, True), (1e-2, False)):
         runs = results[name]["runs"] | {
@@ -55,7 +55,7 @@ def test_rest_bars_follow_the_data(rests, held):
 
 def test_other_orientations_are_others_and_are_counted(rests):
     settings, results = rests
-    name = rest.name_rest("plane", "coarse", "auto", held=True, others=True)
+    name = study.name_rest("plane", "coarse", "auto", held=True, others=True)
     runs = results[name]["runs"]
     np.testing.assert_array_equal(runs["orientation"], [20, 21])
     calm = {
@@ -112,9 +112,9 @@ def test_bodies_that_roll_are_told_from_those_that_lie_still(rests):
 
 def test_rolling_friction_stops_bodies_that_roll(rests):
     _, results = rests
-    for shell in rest.SHELLS:
+    for shell in study.SHELLS:
         bare, held = (
-            results[rest.name_rest("plane", shell, "auto", held=held)]["runs"]
+            results[study.name_rest("plane", shell, "auto", held=held)]["runs"]
             for held in (False, True)
         )
         assert bare["end_angular_speed"].max() > 0.1 > 0.02 > held["end_angular_speed"].max()
@@ -123,7 +123,7 @@ def test_rolling_friction_stops_bodies_that_roll(rests):
 def test_what_rolls_is_let_go_at_its_height_and_has_the_whole_hull(rests):
     settings, results = rests
     directions = np.random.default_rng(0).normal(size=(50, 3))
-    mesh, hull = settings.build_mesh().vertices, rest.find_hull(settings)
+    mesh, hull = settings.build_mesh().vertices, study.find_hull(settings)
     assert len(hull) < len(mesh) / 10
     np.testing.assert_allclose(
         (hull @ directions.T).max(0), (mesh @ directions.T).max(0), atol=1e-7
