@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from voxshell.base.pybullet_names import PYBULLET
+
 _COLORS = "pass colors={body: (255, 0, 0)} to World.view() or Recorder.recording()"
 _FIXED = "World.add() fixes it; remove the body, and add another"
 
@@ -28,7 +30,10 @@ ABSENT = {
         "view": "add it to a World, and call World.view()",
         "volume": "take that of its mesh: trimesh.Trimesh(*model.mesh).volume",
     },
-    "World": {
+    "World": PYBULLET
+    | {
+        "loadMJCF": "call voxshell.load_mjcf(world, path)",
+        "loadURDF": "call voxshell.load_urdf(world, path)",
         "add_body": "did you mean add?",
         "add_plane": "call add(voxshell.Plane(), mass=0)",
         "dt": "did you mean time_step?",
@@ -42,20 +47,14 @@ ABSENT = {
         ),
         "show": "did you mean view?",
         "simulate": "did you mean step?",
-        "stepSimulation": "did you mean step?",
     },
 }
 """Names that a class does not have, and what to do instead."""
 
-OF_PACKAGE = {
-    "createMultiBody": "call World.add(shape, mass=..., pose=...)",
-    "getContactPoints": "call World.contacts(), or voxshell.contacts(a, b) for two bodies without a world",
+OF_PACKAGE = PYBULLET | {
     "load": "call voxshell.Model.load(path) or voxshell.Recording.load(path)",
     "load_mesh": "call voxshell.Model.from_mesh(path)",
     "load_model": "call voxshell.Model.load(path)",
-    "setGravity": "pass gravity=... to voxshell.World()",
-    "setTimeStep": "pass time_step=... to voxshell.World()",
-    "stepSimulation": "call World.step()",
 }
 """Names that the package does not have, and what to do instead."""
 

@@ -6,6 +6,7 @@ import copy
 import pickle
 import pydoc
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ import trimesh
 import voxshell as vx
 from voxshell.base import name_advice, near_names
 from voxshell.base.near_names import Absent, find_closest
+from voxshell.base.pybullet_names import PYBULLET
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +131,35 @@ def test_a_name_that_the_package_does_not_have_says_what_to_use(name: str, advic
         getattr(vx, name)
     assert str(caught.value) == f"module 'voxshell' has no attribute {name!r}: {advice}"
     assert not hasattr(vx, name)
+
+
+PORTED = Path(__file__).parents[3] / "docs" / "porting-from-pybullet.md"
+
+
+def test_every_function_of_pybullet_on_its_page_says_what_to_use(things):
+    rows = [
+        line.split("|")[1] for line in PORTED.read_text().splitlines() if line.startswith("| `")
+    ]
+    named = {name for row in rows for name in re.findall(r"`(\w+)", row)}
+    assert len(named) > 20
+    for name in sorted(named | set(PYBULLET)):
+        for owner in (vx, things["World"]):
+            with pytest.raises(AttributeError) as caught:
+                getattr(owner, name)
+            assert re.search(
+                r": (call|use|pass|set|make|there is|it has|did you mean) ", str(caught.value)
+            )
+    assert "Cone" not in near_names.advise_on_name("connect", vx.__all__)
+
+
+def test_what_stands_for_functions_of_pybullet_exists(things):
+    owners = things | {"Recorder": vx.Recorder, "Robot": vx.Robot}
+    for advice in PYBULLET.values():
+        for owner, name in re.findall(r"\b(World|Body|Joint|Robot|Recorder)\.(\w+)", advice):
+            made_in_init = owner == "Robot" and name in vx.Robot.__slots__
+            assert made_in_init or hasattr(owners[owner], name), advice
+        for name in re.findall(r"\bvoxshell\.(\w+)", advice):
+            assert hasattr(vx, name), advice
 
 
 def test_a_name_like_no_other_is_refused_as_ever():
