@@ -18,8 +18,10 @@ class BodyTuple(tuple["Body", ...]):
     def __getitem__(self, index: Any) -> Any:
         """Return a body or a part of the tuple."""
         if isinstance(index, str):
-            raise InputTypeError(
-                f"world.bodies is a tuple, whose indices are integers; by name: {{body.name: body for body in "
-                f"world.bodies}}[{index!r}]"
-            )
+            count = sum(body.name == index for body in self)
+            if count > 1:
+                how = f"{count} bodies have this name: [body for body in world.bodies if body.name == {index!r}]"
+            else:
+                how = f"by name: {{body.name: body for body in world.bodies}}[{index!r}]"
+            raise InputTypeError(f"world.bodies is a tuple, whose indices are integers; {how}")
         return super().__getitem__(index)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -122,7 +122,7 @@ class WorldContents:
                 file (``.vxs``) loads that model.
             pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity
                 by default.
-            name: A name for people; "body" and its number by default.
+            name: A name for people, which several bodies may have; "body" and its number by default.
             mass: **Mass**: kilograms; 0 makes the body static. By default, the mass of ``inertia`` if
                 that is mass properties, and otherwise 1 kg.
             inertia: "solid" for uniform density, "surface" for a thin skin on the surface, or mass
@@ -180,6 +180,8 @@ class WorldContents:
             >>> bool(abs(parcel.linear_velocity[0] - 1.0) < 0.01)
             True
         """
+        if isinstance(shape, Body):
+            self._refuse_body(shape)
         kilograms, motion = as_mass_and_motion(
             _default_mass(inertia) if mass is None else mass, motion
         )
@@ -388,6 +390,17 @@ class WorldContents:
         self._simulation.set_collision(a.number, b.number, collides)
         if self._pairs is not None:
             self._pairs.set_collision(a, b, collides)
+
+    def _refuse_body(self, body: Body) -> NoReturn:
+        if body._world is None:
+            state = "has been removed from its world"
+        elif body._world is self._simulation:
+            state = "is in this world already"
+        else:
+            state = "belongs to another world"
+        raise InputTypeError(
+            f"{body._title} {state}; to add another body like it, pass its shape: add(body.shape, mass=..., pose=...)"
+        )
 
     def _check_two(self, a: Body, b: Body) -> None:
         self._check_own(a, "a")

@@ -422,3 +422,15 @@ def test_gravity_in_millimeters_is_doubted():
     with pytest.warns(vx.UnitWarning, match=r"9810 m/s2, 1000 times that of the Earth"):
         vx.World(gravity=(0, 0, -9810))
     vx.World(gravity=(0, 0, -1000.0))
+
+
+def test_a_body_that_is_added_is_refused_with_what_to_pass_instead():
+    world, other = vx.World(), vx.World()
+    ball = world.add(vx.Sphere(0.1), name="ball")
+    for into, state in ((world, "is in this world already"), (other, "belongs to another world")):
+        with pytest.raises(vx.InputTypeError, match=f"^body 'ball' {state}; .* pass its shape"):
+            into.add(ball)  # pyright: ignore[reportArgumentType]
+    world.remove(ball)
+    with pytest.raises(vx.InputTypeError, match=r"^body 'ball' has been removed from its world; "):
+        world.add(ball)  # pyright: ignore[reportArgumentType]
+    assert world.add(ball.shape).shape is ball.shape
