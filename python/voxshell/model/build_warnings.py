@@ -47,25 +47,29 @@ def warn_of(findings: Iterable[Finding]) -> None:
         warn_user(finding.text, finding.category)
 
 
-def find_flaws(core: CoreModel, *, sign: str = "auto", open_as: str = "auto") -> list[Finding]:
+def find_flaws(
+    core: CoreModel, widest_rim: float, *, sign: str = "auto", open_as: str = "auto"
+) -> list[Finding]:
     """Return the faults of a new model's mesh, and how it misses its tolerance.
 
     Args:
         core: The model.
+        widest_rim: Largest distance between two points of one rim of the mesh, meters.
         sign: How its inside was found; a caller who chose that knows of the faults.
         open_as: The caller's choice for open meshes.
     """
-    found = _find_faults(core, open_as) if sign == "auto" else []
+    found = _find_faults(core, widest_rim, open_as) if sign == "auto" else []
     if core.tolerance > 0.0:
         found += _find_inaccuracy(core)
     return found
 
 
-def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
+def _find_faults(core: CoreModel, widest_rim: float, open_as: str) -> list[Finding]:
     """Return the faults of a mesh, and how they were handled.
 
     Args:
         core: The model.
+        widest_rim: Largest distance between two points of one rim of the mesh, meters.
         open_as: The caller's choice for open meshes.
     """
     grid = core.grid
@@ -73,7 +77,7 @@ def _find_faults(core: CoreModel, open_as: str) -> list[Finding]:
     if grid.was_turned:
         defect, handling = "inside out as a whole", "it was turned"
         found.append(_fault(f"mesh is {defect}; {handling}", defect, handling))
-    opening = _describe_openings(core, open_as)
+    opening = _describe_openings(core, widest_rim, open_as)
     open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
     place = ", ".join(f"{coordinate:.4g}" for coordinate in grid.first_fault)
     faults = [
@@ -210,14 +214,14 @@ def _fault(text: str, defect: str, handling: str) -> Finding:
     return Finding(MeshWarning, text, defect, handling)
 
 
-def _describe_openings(core: CoreModel, open_as: str) -> Finding | None:
+def _describe_openings(core: CoreModel, widest_rim: float, open_as: str) -> Finding | None:
     """Return the openings and how they were handled; None if there are none or the caller chose that."""
     loops, fraction, mouths, diameter, first, thickness = core.openings
     if loops == 0 or open_as != "auto":
         return None
     place = ", ".join(f"{coordinate:.4g}" for coordinate in first)
     count = "1 opening" if loops == 1 else f"{loops} openings"
-    defect = f"{count}, the largest {diameter:.3g} m across"
+    defect = f"{count}, the largest {widest_rim or diameter:.3g} m across"
     where = (
         f"{defect}, the first near [{place}] meters; caps would have {100.0 * fraction:.3g} % of the "
         "surface's area"

@@ -10,6 +10,7 @@ from voxshell._core import Model as CoreModel
 from voxshell.errors import MemoryLimitError, MeshError
 from voxshell.model.cache import compute_key, open_cache
 from voxshell.model.meshes import doubt_unit, name_of, naming_file, read_mesh
+from voxshell.model.rims import measure_widest_rim
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,11 +31,13 @@ class BuiltCore(NamedTuple):
         core: The core.
         doubt: Why the mesh is probably not in meters, or "".
         extents: Of the mesh, (3,) float64, meters.
+        widest_rim: Largest distance between two points of one rim of the mesh, meters; 0 if it is closed.
     """
 
     core: CoreModel
     doubt: str
     extents: NDArray[np.float64]
+    widest_rim: float
 
 
 def build_core(
@@ -86,4 +89,6 @@ def build_core(
         if not doubt:
             raise
         raise type(error)(f"{error}; {doubt}") from None
-    return BuiltCore(core, doubt, np.ptp(arrays.vertices, axis=0))
+    is_open = core.openings[0] > 0
+    rim = measure_widest_rim(arrays.vertices, arrays.faces) if is_open else 0.0
+    return BuiltCore(core, doubt, np.ptp(arrays.vertices, axis=0), rim)

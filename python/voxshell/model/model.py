@@ -200,7 +200,7 @@ class Model:
             open_as=open,
             sheet_thickness=sheet_thickness,
         )
-        core, doubt, extents = build_core(
+        core, doubt, extents, rim = build_core(
             mesh,
             settings,
             scale=scale,
@@ -212,7 +212,7 @@ class Model:
             warn_user(doubt, MeshWarning)
         if tolerance is not None:
             warn_of_coarse_tolerance(tolerance, extents)
-        warn_of(find_flaws(core, sign=sign, open_as=open))
+        warn_of(find_flaws(core, rim, sign=sign, open_as=open))
         return cls(core)
 
     def save(self, path: str | os.PathLike[str]) -> None:

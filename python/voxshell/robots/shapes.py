@@ -151,13 +151,13 @@ class Shaper:
     def _shape_sheet(self, sheet: Sheet) -> tuple[Part, list[Finding]]:
         if self._mesh_as == "hull":
             return _make_hull(sheet.find_points()), []
-        core, *_ = build_core(
+        built = build_core(
             sheet.mesh,
             as_settings(
                 tolerance=self._tolerance, open_as="sheet", sheet_thickness=sheet.thickness
             ),
         )
-        return _mark(Model(core)), find_flaws(core, open_as="sheet")
+        return _mark(Model(built.core)), find_flaws(built.core, built.widest_rim, open_as="sheet")
 
     def _shape_mesh(self, mesh: Mesh) -> tuple[Part, list[Finding]]:
         if self._mesh_as == "hull":
@@ -166,13 +166,13 @@ class Shaper:
         side = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.vertices) > 0 else 0.0
         if voxel_size is not None and side > 0.0:
             voxel_size = min(voxel_size, side)
-        core, *_ = build_core(
+        built = build_core(
             mesh,
             as_settings(
                 tolerance=self._tolerance, voxel_size=voxel_size, resolution=self._resolution
             ),
         )
-        return _mark(Model(core)), find_flaws(core)
+        return _mark(Model(built.core)), find_flaws(built.core, built.widest_rim)
 
 
 class _Made(NamedTuple):
