@@ -5,12 +5,17 @@ from __future__ import annotations
 import os
 import re
 import stat
+from itertools import islice
 from typing import TYPE_CHECKING
 
+from voxshell.base.near_names import find_closest
 from voxshell.errors import FileAccessError, MissingFileError, SettingsError
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+_MOST_ENTRIES = 2000
+"""Entries of a folder among which a similar name is searched for."""
 
 _URL = re.compile(
     r"[A-Za-z][A-Za-z0-9+.-]+:/"
@@ -19,6 +24,8 @@ _URL = re.compile(
 
 def check_exists(path: str | bytes | os.PathLike[str]) -> None:
     """Refuse a path at which nothing exists, also a URL; its reader reports all other problems.
+
+    The message says which folder a relative path starts from, and names a file of a similar name.
 
     Raises:
         MissingFileError: Nothing exists there.
@@ -32,10 +39,25 @@ def check_exists(path: str | bytes | os.PathLike[str]) -> None:
         elif _URL.match(name):
             why = "it does not exist: it is a URL, and only files are read; download it"
         else:
-            why = "it does not exist"
+            why = f"it does not exist{_advise_on_missing(name)}"
         raise MissingFileError(f"cannot read {name or repr(name)}: {why}") from None
     except (OSError, ValueError):
         return
+
+
+def _advise_on_missing(name: str) -> str:
+    """Return the current folder if a path depends on it, and the file that was probably meant."""
+    folder, wanted = os.path.split(name)
+    advice = ""
+    try:
+        if not os.path.isabs(name):
+            advice = f"; the current folder is {os.getcwd()}"
+        with os.scandir(folder or ".") as entries:
+            present = [entry.name for entry in islice(entries, _MOST_ENTRIES)]
+    except OSError:
+        return advice
+    meant = find_closest(wanted, present)
+    return f"{advice}; did you mean {os.path.join(folder, meant)}?" if meant else advice
 
 
 def read_small_file(path: str | Path, most: int, what: str = "file") -> bytes:

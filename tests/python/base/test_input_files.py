@@ -70,6 +70,22 @@ def test_a_missing_file_is_the_same_error_at_every_entrance(tmp_path: Path, name
     assert isinstance(caught.value, vx.FileAccessError)
 
 
+def test_a_missing_file_names_the_current_folder_and_a_similar_file(tmp_path: Path, monkeypatch):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "part.stl").write_text("")
+    monkeypatch.chdir(tmp_path)
+    parts, absolute = os.path.join("parts", ""), str(tmp_path / "parts" / "")
+    for path, advice in (
+        ("parts/part.stp", f"; the current folder is {tmp_path}; did you mean {parts}part.stl?"),
+        (f"{absolute}/Part.stl", f"; did you mean {absolute}/part.stl?"),
+        ("parts/gear.obj", f"; the current folder is {tmp_path}"),
+        ("pars/part.stl", f"; the current folder is {tmp_path}"),
+    ):
+        message = re.escape(f"cannot read {path}: it does not exist{advice}")
+        with pytest.raises(vx.MissingFileError, match=f"^{message}$"):
+            vx.Model.from_mesh(path)
+
+
 def test_what_exists_or_is_no_name_is_left_to_its_reader(tmp_path: Path):
     (tmp_path / "loop").symlink_to("loop")
     for path in (tmp_path, tmp_path / "loop", "a\0b", tmp_path / ("a" * 1000)):
