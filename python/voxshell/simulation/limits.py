@@ -23,6 +23,7 @@ _LEAST_MASS = 1e-100  # kg; the inverse of a much smaller mass is not finite
 _OF_THE_EARTH = 9.81  # m/s2
 _STRONGEST = 1000.0  # m/s2; stronger gravity is nearly always in mm/s2
 _LONGEST_STEP = 1.0  # seconds; a longer time step is nearly always a number of steps a second
+_COARSE_STEP = 1.0 / 20.0  # seconds; in a longer one, a body falls by more than 25 mm from rest
 
 
 def check_mass(kilograms: float, label: str) -> None:
@@ -73,7 +74,7 @@ def doubt_gravity(gravity: ArrayLike) -> None:
 
 
 def check_time_step(time_step: float, gravity: ArrayLike) -> None:
-    """Refuse a time step in which gravity moves bodies too far, and warn of one above a second.
+    """Refuse a time step in which gravity moves bodies too far, and warn of one above a 20th of a second.
 
     Raises:
         SettingsError: Bullet would not move the bodies.
@@ -89,6 +90,12 @@ def check_time_step(time_step: float, gravity: ArrayLike) -> None:
             )
         warn_user(
             f"time_step is {time_step:g} s, too long for anything but free motion; {advice}",
+            AccuracyWarning,
+        )
+    elif time_step > _COARSE_STEP and not is_too_far:
+        warn_user(
+            f"time_step is {time_step:g} s, only {1.0 / time_step:.3g} steps a second, too few for anything but "
+            "free motion; use a shorter one, such as 1/200, the default",
             AccuracyWarning,
         )
     if is_too_far:

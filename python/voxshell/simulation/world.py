@@ -114,7 +114,8 @@ class World(ViewedWorld):
         SettingsError: A setting is out of range.
 
     Warns:
-        AccuracyWarning: ``time_step`` is above 1 s, which is nearly always a rate. Or a pair of
+        AccuracyWarning: ``time_step`` is above a 20th of a second; above 1 s, it is nearly always a
+            rate. Or a pair of
             models may miss contacts that are deep compared with the smaller model's thickness;
             warned at the first step with the pair. Or a body turns by more than an eighth of a turn
             in a step, or moves so far in a step that Bullet stops simulating it; warned once per

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 
@@ -67,8 +68,17 @@ def test_a_rate_as_the_time_step_is_warned_of_where_bullet_could_follow(rate: fl
         vx.World(time_step=rate)
 
 
-@pytest.mark.parametrize("time_step", [1 / 1000, 1 / 30, 1.0])
-def test_steps_of_up_to_a_second_are_not_warned_of(time_step: float):
+@pytest.mark.parametrize(("time_step", "rate"), [(0.1, "10"), (0.3, "3.33"), (1.0, "1")])
+def test_few_steps_a_second_are_warned_of(time_step: float, rate: str):
+    message = (
+        f"^time_step is {time_step:g} s, only {re.escape(rate)} steps a second, .* such as 1/200"
+    )
+    with pytest.warns(vx.AccuracyWarning, match=message):
+        vx.World(time_step=time_step)
+
+
+@pytest.mark.parametrize("time_step", [1 / 1000, 1 / 30, 1 / 20])
+def test_usual_steps_are_not_warned_of(time_step: float):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         vx.World(time_step=time_step)
