@@ -74,20 +74,47 @@ class Accuracy:
     curvature: float
 
     def __repr__(self) -> str:
-        def lengths(errors: ErrorStatistic) -> str:
-            return "/".join(map(in_millimeters, (errors.median, errors.p99, errors.max)))
-
-        # Below a thousandth of a degree, angles are rounding.
-        degrees = "/".join(
-            f"{round(math.degrees(x), 3):.3g}"
-            for x in (self.normal.median, self.normal.p99, self.normal.max)
-        )
-        shape = "sharp" if self.is_sharp else f"rounded by {self.curvature:.3g} /m"
+        distance, normal, coverage = ("/".join(column) for column in self._list_errors())
         return (
-            f"Accuracy(median/99 %/max at {self.places:,} places: distance {lengths(self.distance)} "
-            f"mm, normal {degrees} degrees, coverage {lengths(self.coverage)} mm; "
-            f"gap {in_millimeters(self.gap)} mm, {shape})"
+            f"Accuracy(median/99 %/max at {self.places:,} places: distance {distance} "
+            f"mm, normal {normal} degrees, coverage {coverage} mm; "
+            f"gap {in_millimeters(self.gap)} mm, {self._shape})"
         )
+
+    def __str__(self) -> str:
+        distance, normal, coverage = (
+            f"median {median}, 99 % below {most}, largest {largest}"
+            for median, most, largest in self._list_errors()
+        )
+        edges = "; large ones are usual at edges, where normals jump"
+        return (
+            f"Errors at {self.places:,} places of the surface:\n"
+            f"distance: {distance} mm\n"
+            f"normal: {normal} degrees{edges if self.is_sharp else ''}\n"
+            f"coverage, the height of the surface above the points of the shell: {coverage} mm\n"
+            f"gap {in_millimeters(self.gap)} mm, {self._shape}"
+        )
+
+    def _list_errors(self) -> tuple[tuple[str, str, str], ...]:
+        """Return median, 99 % and maximum of distances in mm, normals in degrees, and coverage in mm."""
+
+        def lengths(errors: ErrorStatistic) -> tuple[str, str, str]:
+            return (
+                in_millimeters(errors.median),
+                in_millimeters(errors.p99),
+                in_millimeters(errors.max),
+            )
+
+        def degrees(angle: float) -> str:  # below a thousandth, it is rounding
+            return f"{round(math.degrees(angle), 3):.3g}"
+
+        normal = self.normal
+        angles = degrees(normal.median), degrees(normal.p99), degrees(normal.max)
+        return lengths(self.distance), angles, lengths(self.coverage)
+
+    @property
+    def _shape(self) -> str:
+        return "sharp" if self.is_sharp else f"rounded by {self.curvature:.3g} /m"
 
 
 def read_accuracy(core: CoreModel) -> Accuracy:

@@ -43,6 +43,21 @@ def test_its_text_has_lengths_in_millimeters():
     assert repr(accuracy).endswith("sharp)")
 
 
+def test_what_print_shows_says_which_number_is_which():
+    box = vx.Model.from_mesh(trimesh.creation.box(), resolution=10).accuracy
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(radius=0.1), resolution=10).accuracy
+    for accuracy in (box, ball):
+        lines = str(accuracy).splitlines()
+        assert [line.split()[0].rstrip(":,") for line in lines] == [
+            "Errors", "distance", "normal", "coverage", "gap",
+        ]  # fmt: skip
+        for line, unit in zip(lines[1:4], ("mm", "degrees", "mm"), strict=True):
+            assert "median " in line
+            assert f" {unit}" in line.split("largest ")[1]
+    assert "at edges, where normals jump" in str(box)
+    assert "at edges" not in str(ball)
+
+
 def test_model_files_keep_it(tmp_path):
     model = vx.Model.from_mesh(trimesh.creation.box((1.0, 0.5, 0.1)), resolution=20)
     model.save(tmp_path / "box.vxs")
