@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import show_apart
 from voxshell.base.calls import explain_calls
+from voxshell.base.notebook import make_table
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
 from voxshell.robots.kinematics import find_child
@@ -346,6 +347,16 @@ class Robot:
     def _speed(self, name: str, given: float | None) -> float:
         speed = self._described[name].velocity if given is None else given
         return math.inf if speed is None else speed
+
+    def _repr_html_(self) -> str:
+        """Return a table of the joints that move, for notebooks."""
+        facts = {"links": f"{len(self.links)}"}
+        for name, joint in self.joints.items():
+            unit = "rad" if isinstance(joint.kind, HingeJoint) else "m"
+            facts[f"joint {name!r}"] = (
+                "removed" if joint.removed else f"{joint.position:.4g} {unit}"
+            )
+        return make_table(f"Robot {self.name!r}", facts)
 
     def __repr__(self) -> str:
         links, moving = len(self.links), len(self.joints)

@@ -23,6 +23,7 @@ from voxshell.base.arguments import (
 )
 from voxshell.base.calls import check_takes, explain_calls
 from voxshell.base.near_names import know_near_names
+from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError, SettingsError
 from voxshell.simulation.limits import check_motions, check_time_step, doubt_gravity
 from voxshell.simulation.recorder import Recorder
@@ -295,6 +296,20 @@ class World(ViewedWorld):
             f"World({bodies} {'body' if bodies == 1 else 'bodies'}, "
             f"{joints} {'joint' if joints == 1 else 'joints'}, time={self.time:.6g} s, "
             f"time_step={self.time_step:.6g} s)"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a table of facts for notebooks."""
+        x, y, z = self.gravity
+        return make_table(
+            "World",
+            {
+                "bodies": f"{len(self._bodies)}",
+                "joints": f"{len(self._joints)}",
+                "time": f"{self.time:.6g} s",
+                "time step": f"{self.time_step:.6g} s",
+                "gravity": f"({x:.4g}, {y:.4g}, {z:.4g}) m/s2",
+            },
         )
 
     def save_state(self) -> WorldState:

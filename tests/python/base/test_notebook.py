@@ -20,6 +20,30 @@ from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.recording import recording as recording_module
 
 
+def test_worlds_bodies_and_robots_are_tables(tmp_path: Path):
+    world = vx.World(gravity=(0, 0, 0))
+    ball = world.add(vx.Sphere(0.1), mass=2.0, pose=(0, 0, 1), name="<ball>")
+    assert "<td" in world._repr_html_()
+    assert "0.005 s" in world._repr_html_()
+    table = ball._repr_html_()
+    assert "&lt;ball&gt;" in table
+    assert "2 kg" in table
+    assert "(0, 0, 1) m" in table
+    world.remove(ball)
+    assert "none: removed" in ball._repr_html_()
+    path = tmp_path / "pair.urdf"
+    path.write_text(
+        "<robot name='pair'><link name='a'/><link name='b'><inertial><mass value='1'/>"
+        "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        "<joint name='turn' type='continuous'><parent link='a'/><child link='b'/></joint></robot>"
+    )
+    robot = vx.load_urdf(world, path)
+    assert "turn" in robot._repr_html_()
+    assert "0 rad" in robot._repr_html_()
+    robot.remove()
+    assert "removed" in robot._repr_html_()
+
+
 def make_recording(name: str = "ball") -> Recording:
     mesh = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
     poses = np.tile(np.eye(4), (40, 1, 1))
