@@ -9,12 +9,12 @@ import numpy as np
 from voxshell.base.arguments import as_vector
 from voxshell.base.calls import explain_calls
 from voxshell.base.near_names import know_near_names
-from voxshell.base.notebook import make_table
 from voxshell.base.pose_forms import as_pose, as_rigid_pose
 from voxshell.base.poses import pose as make_pose
 from voxshell.base.rotations import xyzw_from_rotation
 from voxshell.errors import PoseError, SettingsError
 from voxshell.simulation.body_properties import BodyProperties, read_only
+from voxshell.simulation.body_table import make_body_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -406,21 +406,7 @@ class Body(BodyProperties):
             )
         return self._simulation
 
-    def _repr_html_(self) -> str:
-        """Return a table of facts for notebooks."""
-        matter = f"{self.mass:g} kg" if self.motion == "dynamic" else f"none: {self.motion}"
-        facts = {"number": f"{self.number}", "shape": repr(self.shape), "mass": matter}
-        if self.removed:
-            facts["world"] = "none: removed"
-        else:
-            for what, vector, unit in (
-                ("position", self.position, "m"),
-                ("linear velocity", self.linear_velocity, "m/s"),
-                ("angular velocity", self.angular_velocity, "rad/s"),
-            ):
-                x, y, z = (vector + 0.0).tolist()
-                facts[what] = f"({x:.4g}, {y:.4g}, {z:.4g}) {unit}"
-        return make_table(f"Body {self.name!r}", facts)
+    _repr_html_ = make_body_table
 
     def __repr__(self) -> str:
         what = f"Body({self.number}, {self.name!r}, {self.shape!r}, "

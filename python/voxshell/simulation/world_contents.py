@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from voxshell.simulation.limits import check_extent, check_mass
 from voxshell.simulation.material import Material, as_material
 from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
 from voxshell.simulation.pair_watch import PairWatch
-from voxshell.simulation.world_part import check_own
+from voxshell.simulation.world_part import check_own, refuse_added
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -181,7 +181,7 @@ class WorldContents:
             True
         """
         if isinstance(shape, Body):
-            self._refuse_body(shape)
+            refuse_added(shape, self._simulation)
         kilograms, motion = as_mass_and_motion(
             _default_mass(inertia) if mass is None else mass, motion
         )
@@ -390,17 +390,6 @@ class WorldContents:
         self._simulation.set_collision(a.number, b.number, collides)
         if self._pairs is not None:
             self._pairs.set_collision(a, b, collides)
-
-    def _refuse_body(self, body: Body) -> NoReturn:
-        if body._world is None:
-            state = "has been removed from its world"
-        elif body._world is self._simulation:
-            state = "is in this world already"
-        else:
-            state = "belongs to another world"
-        raise InputTypeError(
-            f"{body._title} {state}; to add another body like it, pass its shape: add(body.shape, mass=..., pose=...)"
-        )
 
     def _check_two(self, a: Body, b: Body) -> None:
         self._check_own(a, "a")

@@ -59,3 +59,20 @@ def check_own(part: WorldPart, simulation: _bullet.Simulation) -> None:
     """Refuse a body or joint of another world, or one that was removed."""
     if part._simulation is not simulation:
         raise SettingsError(f"{part._title} belongs to another world")
+
+
+def refuse_added(body: WorldPart, simulation: _bullet.Simulation) -> NoReturn:
+    """Refuse a body where a shape is needed.
+
+    Raises:
+        InputTypeError: Always; the message says which world has the body.
+    """
+    if body.removed:
+        state = "has been removed from its world"
+    elif body._world is simulation:
+        state = "is in this world already"
+    else:
+        state = "belongs to another world"
+    raise InputTypeError(
+        f"{body._title} {state}; to add another body like it, pass its shape: add(body.shape, mass=..., pose=...)"
+    )
