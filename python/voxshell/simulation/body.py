@@ -49,6 +49,7 @@ class Body(BodyProperties):
     """
 
     __slots__ = ("_center", "_inertia", "_mass", "_regrouped", "_shape")
+    _repr_html_ = make_body_table
 
     def __init__(
         self,
@@ -405,8 +406,6 @@ class Body(BodyProperties):
                 f"body {self.name!r} is kinematic: set its pose before each step, not {what}"
             )
         return self._simulation
-
-    _repr_html_ = make_body_table
 
     def __repr__(self) -> str:
         what = f"Body({self.number}, {self.name!r}, {self.shape!r}, "

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from voxshell.base.notebook import make_table
 
-if TYPE_CHECKING:
-    from voxshell.simulation.body import Body
 
-
-def make_body_table(body: Body) -> str:
+def make_body_table(body: Any) -> str:
     """Return the facts of a body as HTML; those of a removed one without its motion."""
     matter = f"{body.mass:g} kg" if body.motion == "dynamic" else f"none: {body.motion}"
     facts = {"number": f"{body.number}", "shape": repr(body.shape), "mass": matter}
