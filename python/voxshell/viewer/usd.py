@@ -45,9 +45,19 @@ def save_usd(path: Path, recording: Recording, *, up: str = "+z", contacts: bool
             _add_contacts(
                 usd, stage, recording, MarkedContacts(recording, up=up, limit=_MOST_CONTACTS)
             )
-        if not stage.Export(str(temporary)):
-            raise FileAccessError(f"cannot write {path}: USD gives no reason; is the disk full?")
+        _export(usd, stage, temporary, path)
     return path
+
+
+def _export(usd: Any, stage: Any, temporary: Path, path: Path) -> None:
+    """Write a stage; raise one error for the many that USD collects, one for each block of a file."""
+    try:
+        written, reason = stage.Export(str(temporary)), "USD gives no reason; is the disk full?"
+    except usd.Tf.ErrorException as error:
+        first = str(error.args[0] if error.args else error)
+        written, reason = False, first.rpartition(" : ")[2].strip("'")
+    if not written:
+        raise FileAccessError(f"cannot write {path}: {reason}")
 
 
 def _import_usd() -> Any:

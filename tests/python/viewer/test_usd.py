@@ -7,7 +7,9 @@ with ``pip install usd-core``.
 from __future__ import annotations
 
 import importlib
+import resource
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -85,3 +87,31 @@ def test_a_body_that_comes_later_is_invisible_before(tmp_path: Path):
     for frame, wanted in ((0, "invisible"), (19, "invisible"), (20, "inherited")):
         assert geometry.Imageable(ball).ComputeVisibility(frame) == wanted
         assert geometry.Imageable(ground).ComputeVisibility(frame) == "inherited"
+
+
+def test_what_usd_collects_becomes_one_error(tmp_path: Path, monkeypatch):
+    usd = MagicMock()
+    usd.Tf.ErrorException = type("ErrorException", (RuntimeError,), {})
+    once = "Error in 'Write' at line 78 in file asset.cpp : 'Error occurred writing file: No space left'"
+    usd.Usd.Stage.CreateInMemory().Export.side_effect = usd.Tf.ErrorException(once, once)
+    monkeypatch.setattr("voxshell.viewer.usd._import_usd", lambda: usd)
+    old = tmp_path / "fall.usdc"
+    old.write_bytes(b"old")
+    with pytest.raises(
+        vx.FileAccessError, match=r"^cannot write .*fall\.usdc: .* writing file: No space left$"
+    ):
+        turn_and_fall().save_usd(old)
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("fall.usdc", b"old")]
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_usd_has_no_room_for_a_file(tmp_path: Path, suffix: str):
+    pytest.importorskip("pxr", reason="needs usd-core")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    try:
+        with pytest.raises(vx.FileAccessError, match=rf"^cannot write .*fall\{suffix}: .*too large$"):
+            turn_and_fall().save_usd(tmp_path / f"fall{suffix}")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert list(tmp_path.iterdir()) == []
