@@ -176,6 +176,11 @@ def as_text(value: Any, name: str) -> str:
     return value
 
 
+def as_unicode(text: str) -> str:
+    """Return a text with question marks for what is not Unicode, as parts of file names may be."""
+    return text.encode(errors="replace").decode()
+
+
 def check_callable(value: Any, name: str) -> None:
     """Refuse what is neither None nor can be called."""
     if value is not None and not callable(value):

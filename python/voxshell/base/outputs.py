@@ -132,8 +132,11 @@ def write_bytes(path: Path, content: bytes | memoryview) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write text as UTF-8 like :func:`write_bytes`, without changing its newlines."""
-    write_bytes(path, text.encode())
+    """Write text as UTF-8 like :func:`write_bytes`, without changing its newlines.
+
+    Question marks replace what is not Unicode.
+    """
+    write_bytes(path, text.encode(errors="replace"))
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.cli.bodies import DEFAULTS, ModelOptions, read_body, refuse_unused
 from voxshell.cli.progress import open_progress, tracked
 from voxshell.errors import SettingsError
+from voxshell.model.meshes import name_of
 from voxshell.model.model import Model
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.inspector import Inspector, Layer
@@ -71,7 +72,7 @@ def view(
     partner = None if other is None else bodies[other]
     token = make_token()
     with silent_server(port if export is None else 0, token=token) as server:
-        inspector = Inspector(server, model, partner, name=Path(body).name, show=show)
+        inspector = Inspector(server, model, partner, name=name_of(body), show=show)
         if export is not None:
             inspector.save_html(export)
             print(f"wrote {export}")

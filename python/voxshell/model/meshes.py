@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats, as_path, as_positive, show_array, show_value
+from voxshell.base.arguments import (
+    as_floats,
+    as_path,
+    as_positive,
+    as_unicode,
+    show_array,
+    show_value,
+)
 from voxshell.base.calls import explain_calls
 from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix
@@ -68,9 +75,12 @@ _REMEDY_FOR_UNITS = (
 
 
 def name_of(mesh: MeshLike) -> str:
-    """Return the name of the file that a mesh is, or that trimesh states; empty if it is not known."""
+    """Return the name of the file that a mesh is, or that trimesh states; empty if it is not known.
+
+    Question marks replace what is not Unicode.
+    """
     if isinstance(mesh, (str, os.PathLike)):
-        return Path(os.fsdecode(mesh)).name
+        return as_unicode(Path(os.fsdecode(mesh)).name)
     metadata = getattr(mesh, "metadata", None)
     stated = metadata if isinstance(metadata, dict) else {}
     # Which key it is depends on trimesh's version.

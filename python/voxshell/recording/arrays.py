@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from voxshell.errors import RecordingError
 
+LARGEST = 1e30
+"""Largest size of a number: its square is still finite, and viewers store it in single precision."""
+
 
 def keep(owner: object, name: str, array: NDArray[Any]) -> None:
     """Store a read-only array in a frozen dataclass."""
@@ -17,7 +20,7 @@ def keep(owner: object, name: str, array: NDArray[Any]) -> None:
 
 
 def as_floats(value: ArrayLike, what: str) -> NDArray[np.float64]:
-    """Return a new float64 array; raise an error that counts numbers that are not finite."""
+    """Return a new float64 array; raise an error that counts numbers that are not finite or too large."""
     try:
         array = np.array(value, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
@@ -25,6 +28,9 @@ def as_floats(value: ArrayLike, what: str) -> NDArray[np.float64]:
     bad = int(np.sum(~np.isfinite(array)))
     if bad:
         raise RecordingError(f"{what} hold {bad} of {array.size} numbers that are not finite")
+    bad = int(np.sum(np.abs(array) > LARGEST))
+    if bad:
+        raise RecordingError(f"{what} hold {bad} of {array.size} numbers beyond {LARGEST:g}")
     return array
 
 

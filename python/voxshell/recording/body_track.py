@@ -30,7 +30,7 @@ class BodyTrack:
             are those of this frame.
 
     Raises:
-        RecordingError: A shape is wrong, a number is not finite, a face refers to a missing vertex,
+        RecordingError: A shape is wrong, a number is not finite or beyond 1e30, a face refers to a missing vertex,
             a pose is not rigid, or there is no frame ``start``.
 
     Arrays are copied, and the copies are read-only.

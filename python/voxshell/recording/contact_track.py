@@ -29,8 +29,8 @@ class ContactTrack:
             forces were computed.
 
     Raises:
-        RecordingError: The lengths disagree, a number is not finite, or a normal is not of unit
-            length.
+        RecordingError: The lengths disagree, a number is not finite or beyond 1e30, or a normal is
+            not of unit length.
 
     Arrays are copied, and the copies are read-only.
 

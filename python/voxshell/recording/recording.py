@@ -20,6 +20,7 @@ from voxshell.base.calls import check_options
 from voxshell.base.notebook import make_frame, make_table
 from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.errors import MissingExtraError, RecordingError
+from voxshell.recording.arrays import LARGEST
 from voxshell.recording.body_track import BodyTrack
 from voxshell.recording.contact_track import ContactTrack
 from voxshell.recording.recording_file import SUFFIX, read_recording, write_recording
@@ -61,6 +62,10 @@ class Recording:
         time_step = float(self.time_step)
         if not (np.isfinite(time_step) and time_step > 0.0):
             raise RecordingError(f"time_step must be positive seconds, got {self.time_step!r}")
+        if not 1.0 / LARGEST <= time_step <= LARGEST:
+            raise RecordingError(
+                f"time_step must be from {1.0 / LARGEST:g} to {LARGEST:g} s, got {time_step!r}"
+            )
         bodies = tuple(self.bodies)
         if not bodies:
             raise RecordingError("a recording needs at least one body, got none")

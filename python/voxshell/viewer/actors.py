@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from voxshell.base.arguments import as_unicode
 from voxshell.recording import BodyTrack
 from voxshell.viewer.arrows import ARROW_SHAFT, LONGEST_ARROW, find_arrows
 from voxshell.viewer.grid import DROP, add_grid
@@ -91,7 +92,7 @@ def add_lane(scene: viser.SceneApi, lane: Lane, number: int, script: Script) -> 
     frames = script.timeline.frames(lane.recording)
     actors: list[Actor] = []
     for body in lane.recording.bodies:
-        name = f"{root}/{body.name.replace('/', ' ')}"
+        name = f"{root}/{as_unicode(body.name).replace('/', ' ')}"
         if body.name in slabs and _is_endless(slabs[body.name], script):
             top = slabs[body.name].low if script.up[0] == "-" else slabs[body.name].high
             _add_floor(scene, name, top, script, color=body.color or FLOOR_COLOR)

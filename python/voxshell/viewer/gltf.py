@@ -158,7 +158,7 @@ class _Data:
             "bufferViews": self._views,
             "accessors": self._accessors,
         }
-        text = json.dumps(whole, separators=(",", ":"), ensure_ascii=False).encode()
+        text = json.dumps(whole, separators=(",", ":"), ensure_ascii=False).encode(errors="replace")
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<II", len(text), _JSON_CHUNK) + text
         chunks += struct.pack("<II", len(binary), _BINARY_CHUNK) + binary

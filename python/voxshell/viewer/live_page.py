@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell.base.arguments import as_unicode
 from voxshell.base.lengths import metric
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.lanes import view_axes
@@ -84,7 +85,7 @@ class LivePage:
         server.scene.set_up_direction(self._up)  # pyright: ignore[reportArgumentType]
         add_lights(server.scene, up=self._up)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
-        server.gui.set_panel_label(title)
+        server.gui.set_panel_label(as_unicode(title))
         self._add_controls(server.gui)
         self._legend = server.gui.add_html("")
         self._plots = LivePlots(server.gui)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell.base.arguments import as_unicode
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
 from voxshell.viewer.arrows import ARROW_SHAFT
@@ -76,9 +77,10 @@ def _add_body(
     usd: Any, stage: Any, body: BodyTrack, number: int, color: tuple[int, int, int]
 ) -> None:
     # USD's names consist of letters, digits and underscores; the number makes them unique.
-    name = f"{usd.Tf.MakeValidIdentifier(body.name)}_{number}"
+    label = as_unicode(body.name)
+    name = f"{usd.Tf.MakeValidIdentifier(label)}_{number}"
     mesh = usd.UsdGeom.Mesh.Define(stage, f"/recording/{name}")
-    mesh.GetPrim().SetMetadata("displayName", body.name)
+    mesh.GetPrim().SetMetadata("displayName", label)
     mesh.CreatePointsAttr(usd.Vt.Vec3fArray.FromNumpy(body.vertices.astype(np.float32)))
     mesh.CreateFaceVertexCountsAttr(
         usd.Vt.IntArray.FromNumpy(np.full(len(body.faces), 3, dtype=np.int32))

@@ -168,6 +168,10 @@ def test_texts_and_callables_are_of_their_kind():
         arguments.check_callable(5, "progress")
 
 
+def test_what_is_not_unicode_becomes_question_marks():
+    assert arguments.as_unicode("n\udcff\ud800ü") == "n??ü"
+
+
 def test_infinity_is_a_number_and_no_array():
     assert arguments.is_infinite(math.inf)
     assert arguments.is_infinite(np.float32(math.inf))

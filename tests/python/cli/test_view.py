@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,6 +15,17 @@ def test_a_page_is_exported(voxshell, cone_model_path, tmp_path):
     ended = voxshell("view", cone_model_path, "plane", "--show", "slice", "--export", page)
     assert (ended.code, ended.out) == (0, f"wrote {page}\n")
     assert "<title>cone.vxs</title>" in page.read_text(encoding="utf-8")
+
+
+def test_a_file_name_that_is_not_unicode_is_shown_with_question_marks(
+    voxshell, cone_model_path, tmp_path
+):
+    body = os.fsdecode(os.fsencode(tmp_path) + b"/n\xff\xfe.vxs")
+    shutil.copyfile(cone_model_path, body)
+    page = tmp_path / "cone.html"
+    ended = voxshell("view", body, "--export", page)
+    assert (ended.code, ended.err) == (0, "")
+    assert "<title>n??.vxs</title>" in page.read_text(encoding="utf-8")
 
 
 def test_a_page_is_served_until_ctrl_c(cone_model_path):

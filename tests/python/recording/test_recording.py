@@ -28,6 +28,7 @@ def body(frames: int = 2, name: str = "flag") -> BodyTrack:
     ("change", "message"),
     [
         ({"time_step": 0.0}, "time_step must be positive seconds, got 0.0"),
+        ({"time_step": 1e-320}, "time_step must be from 1e-30 to 1e\\+30 s, got 1e-320"),
         ({"time_step": float("nan")}, "got nan"),
         ({"bodies": ()}, "at least one body"),
         ({"bodies": (body(), body())}, r"1 body name\(s\) are not unique: \['flag'\]"),

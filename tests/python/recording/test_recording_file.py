@@ -56,6 +56,15 @@ def test_a_recording_without_contacts_is_kept(tmp_path: Path):
     assert Recording.load(tmp_path / "a.npz").contacts.counts.tolist() == [0] * 7
 
 
+def test_names_that_are_not_unicode_are_shown_with_question_marks(tmp_path: Path):
+    recording = make_recording()
+    assert "\ud800" in recording.bodies[0].name
+    recording.save_html(tmp_path / "a.html", title="\udcff")
+    assert "<title>?</title>" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    recording.save_gltf(tmp_path / "a.glb")
+    assert "a flag ünder?".encode() in (tmp_path / "a.glb").read_bytes()
+
+
 @pytest.mark.parametrize("name", ["fall", "fall.html", "fall.npy"])
 def test_another_suffix_is_refused(tmp_path: Path, name: str):
     with pytest.raises(vx.SettingsError, match=r"ends in \.npz, but"):
