@@ -301,9 +301,14 @@ def _as_file_name(name: str) -> str:
 
 def _read_seal(key: str, path: Path) -> str:
     """Return the seal of a model file: its checksum follows the magic number."""
-    with path.open("rb") as file:
-        checksum = file.read(16)[8:]
+    # A pipe has nothing to read, where open() and read() would wait for a writer.
+    with open(path, "rb", buffering=0, opener=_open_at_once) as file:
+        checksum = (file.read(16) or b"")[8:]
     return hashlib.sha256(key.encode() + checksum).hexdigest()[:_SEAL]
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC)
 
 
 class _Building(threading.local):

@@ -198,7 +198,7 @@ def test_what_cannot_be_built_is_not_kept(folder):
     assert files(folder) == []
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text", "folder"])
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text", "pipe", "open pipe", "folder"])
 def test_a_damaged_model_is_built_again(folder, core, damage):
     build = Builder(core)
     cache = ModelCache(folder)
@@ -212,15 +212,24 @@ def test_a_damaged_model_is_built_again(folder, core, damage):
             cache.fetch(key_of("a"), build)
         assert build.count == 2
         return
-    path.write_bytes(
-        {
-            "cut": whole[:-1000],
-            "flipped": whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:],
-            "empty": b"",
-            "text": b"hello",
-        }[damage]
-    )
+    writer = None
+    if "pipe" in damage:
+        path.unlink()
+        os.mkfifo(path)
+        if damage == "open pipe":
+            writer = os.open(path, os.O_RDWR)
+    else:
+        path.write_bytes(
+            {
+                "cut": whole[:-1000],
+                "flipped": whole[:5000] + bytes([whole[5000] ^ 1]) + whole[5001:],
+                "empty": b"",
+                "text": b"hello",
+            }[damage]
+        )
     model = cache.fetch(key_of("a"), build)
+    if writer is not None:
+        os.close(writer)
     assert build.count == 2
     np.testing.assert_array_equal(model.shell.points, core.shell.points)
     assert path.read_bytes() == whole
