@@ -26,8 +26,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from voxshell import testing
+if not TYPE_CHECKING:  # before all other imports
+    from voxshell.base.compiled import reuse_compiled
+
+    reuse_compiled()
+
+from voxshell import _core, testing
 from voxshell._core import version as __version__
+from voxshell.base.compiled import keep_compiled
 from voxshell.base.near_names import advise_on_name
 from voxshell.base.poses import pose
 from voxshell.base.user_warnings import UnitWarning
@@ -192,6 +198,9 @@ __all__ = [
     "testing",
     "wrench",
 ]
+
+
+keep_compiled(_core)
 
 
 def __getattr__(name: str) -> Any:

@@ -1,5 +1,7 @@
 """Worlds in stock Bullet, with bodies and joints. Only this folder and `robots` need Bullet."""
 
+from voxshell import _bullet
+from voxshell.base.compiled import keep_compiled
 from voxshell.simulation.body import Body
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, ConvexHull, GImpact
 from voxshell.simulation.compound import Compound
@@ -29,3 +31,5 @@ __all__ = [
     "World",
     "WorldState",
 ]
+
+keep_compiled(_bullet)

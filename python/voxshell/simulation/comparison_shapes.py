@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell import _bullet
 from voxshell.base.arguments import as_floats, as_not_negative
 from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError, MeshError, SettingsError
@@ -131,9 +132,7 @@ class ConvexHull(ConvexDecomposition):
             >>> len(vx.ConvexHull.sampled(trimesh.creation.icosphere(4).vertices).hulls[0])
             42
         """
-        from voxshell._bullet import sample_hull
-
-        return cls(sample_hull(_as_hull(points, "points")), margin=margin)
+        return cls(_bullet.sample_hull(_as_hull(points, "points")), margin=margin)
 
     def __repr__(self) -> str:
         return f"ConvexHull({len(self.hulls[0])} points)"
@@ -149,10 +148,8 @@ def _as_hull(points: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def _triangulate(hulls: list[NDArray[np.float64]]) -> Mesh:
-    from voxshell._bullet import triangulate_hulls
-
     for index, points in enumerate(hulls):
         spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         if spread[2] <= 1e-9 * spread[0]:
             raise MeshError(f"the points of hull {index} lie in a plane and enclose no volume")
-    return Mesh(*triangulate_hulls(hulls))
+    return Mesh(*_bullet.triangulate_hulls(hulls))

@@ -198,7 +198,9 @@ def test_what_cannot_be_built_is_not_kept(folder):
     assert files(folder) == []
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text", "pipe", "open pipe", "folder"])
+@pytest.mark.parametrize(
+    "damage", ["cut", "flipped", "empty", "text", "pipe", "open pipe", "folder"]
+)
 def test_a_damaged_model_is_built_again(folder, core, damage):
     build = Builder(core)
     cache = ModelCache(folder)

@@ -20,7 +20,10 @@ from voxshell.recording import ContactTrack
         ({"forces": np.zeros((1, 3))}, "2 depths and 1 forces"),
         ({"depths": [0.0]}, "2 normals, 1 depths and 2 forces"),
         ({"depths": [0.0, np.inf]}, "1 of 2 numbers"),
-        ({"forces": [[1e308, 1e308, 0.0], [0.0, 0.0, 1.0]]}, r"forces hold 2 of 6 numbers beyond 1e\+30"),
+        (
+            {"forces": [[1e308, 1e308, 0.0], [0.0, 0.0, 1.0]]},
+            r"forces hold 2 of 6 numbers beyond 1e\+30",
+        ),
         ({"normals": [[0, 0, 1], [0, 0, 2]]}, r"normal 1 has length 2 .*\(1 such"),
     ],
 )

@@ -101,7 +101,9 @@ def test_what_usd_collects_becomes_one_error(tmp_path: Path, monkeypatch):
         vx.FileAccessError, match=r"^cannot write .*fall\.usdc: .* writing file: No space left$"
     ):
         turn_and_fall().save_usd(old)
-    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("fall.usdc", b"old")]
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [
+        ("fall.usdc", b"old")
+    ]
 
 
 @pytest.mark.parametrize("suffix", [".usda", ".usdc"])
@@ -110,7 +112,9 @@ def test_usd_has_no_room_for_a_file(tmp_path: Path, suffix: str):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
     try:
-        with pytest.raises(vx.FileAccessError, match=rf"^cannot write .*fall\{suffix}: .*too large$"):
+        with pytest.raises(
+            vx.FileAccessError, match=rf"^cannot write .*fall\{suffix}: .*too large$"
+        ):
             turn_and_fall().save_usd(tmp_path / f"fall{suffix}")
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
