@@ -34,6 +34,7 @@ if not TYPE_CHECKING:  # before all other imports
 from voxshell import _core, testing
 from voxshell._core import version as __version__
 from voxshell.base.compiled import keep_compiled
+from voxshell.base.extras import explain_import
 from voxshell.base.near_names import advise_on_name
 from voxshell.base.poses import pose
 from voxshell.base.user_warnings import UnitWarning
@@ -213,9 +214,9 @@ def __getattr__(name: str) -> Any:
     try:
         from voxshell import simulation
     except ImportError as error:
-        # What the dynamic loader says where it finds no memory for a library.
-        if any(said in str(error) for said in ("failed to map segment", "annot allocate memory")):
-            raise MemoryLimitError(f"no memory left to load Bullet for {name}: {error}") from error
+        explained = explain_import(error, str(error))
+        if isinstance(explained, MemoryLimitError):
+            raise explained from error
         raise
 
     if name in simulation.__all__:

@@ -5,21 +5,25 @@ from __future__ import annotations
 import math
 import operator
 import os
-from typing import TYPE_CHECKING, Any
+from functools import wraps
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
 from voxshell.errors import (
     FileAccessError,
     InputTypeError,
+    MemoryLimitError,
     SettingsError,
     VoxshellError,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import ArrayLike, NDArray
+
+Conversion = TypeVar("Conversion", bound="Callable[..., Any]")
 
 _MOST_THREADS = 1024
 FARTHEST = 1e15
@@ -47,6 +51,8 @@ def show_value(value: Any) -> str:
         text = " ".join(repr(value).split())
     except ValueError:  # Python limits the digits of an integer
         return f"a {type(value).__name__} with an integer of too many digits"
+    except Exception:  # too deeply nested, or an unfinished object
+        return f"a {type(value).__name__} that cannot be shown"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
@@ -79,6 +85,19 @@ def show_array(array: NDArray[Any]) -> str:
     if array.ndim == 0 or is_short:
         return show_value(array.tolist())
     return f"an array of shape {describe(array.shape)} and type {array.dtype}"
+
+
+def within_memory(function: Conversion) -> Conversion:
+    """Make what converts an argument raise MemoryLimitError where it does not fit into memory."""
+
+    @wraps(function)
+    def convert(value: Any, name: str, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return function(value, name, *args, **kwargs)
+        except MemoryError as error:
+            raise MemoryLimitError(f"no memory left for {name}") from error
+
+    return cast("Conversion", convert)
 
 
 def as_real(value: Any, name: str) -> float:
@@ -187,6 +206,15 @@ def check_callable(value: Any, name: str) -> None:
         raise InputTypeError(f"{name} must be callable, not {type(value).__name__}")
 
 
+def is_iterable(value: Any) -> bool:
+    """Return whether a loop can run over a value, which arrays of no dimension only seem to allow."""
+    try:
+        iter(value)
+    except TypeError:
+        return False
+    return True
+
+
 def is_infinite(value: Any) -> bool:
     """Return whether a value is the number that stands for no limit."""
     return isinstance(value, (float, np.floating)) and bool(value == math.inf)
@@ -209,6 +237,7 @@ def as_threads(value: Any) -> int:
     return 0 if value is None else as_integer(value, "threads", 1, _MOST_THREADS)
 
 
+@within_memory
 def as_floats(
     value: ArrayLike,
     name: str,

@@ -7,7 +7,7 @@ from functools import wraps
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from voxshell.base.near_names import advise_on_argument, advise_on_missing, advise_on_unnamed
-from voxshell.errors import InputTypeError
+from voxshell.errors import InputTypeError, MemoryLimitError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -19,6 +19,8 @@ _PACKAGE = __name__.split(".")[0]
 
 def explain_calls(thing: Public) -> Public:
     """Make calls of a function, or of a class and its methods, raise InputTypeError where they do not fit.
+
+    Where Python has no memory left, they raise MemoryLimitError.
 
     A class gets wrapped copies of the methods that it inherits from classes that are not wrapped
     themselves, so that messages name the class that users know. A call takes 70 ns longer; queries
@@ -104,6 +106,8 @@ def _wrap(function: Callable[..., Any], title: str, *, takes_self: bool) -> Call
             place = error.__traceback__
             if place is None or place.tb_next is not None:  # the function has begun
                 raise
+        except MemoryError as error:
+            raise MemoryLimitError(f"no memory left for {title}()") from error
         raise InputTypeError(_explain(function, title, args[takes_self:], kwargs, takes_self))
 
     explained.__qualname__ = title

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.base.arguments import FARTHEST, as_floats, show_array, show_value
+from voxshell.base.arguments import FARTHEST, as_floats, show_array, show_value, within_memory
 from voxshell.base.rotations import (
     CORRECTED,
     EXACT,
@@ -108,6 +108,7 @@ def mend_poses(error: PoseError, **values: Any) -> dict[str, NDArray[np.float64]
     return mended
 
 
+@within_memory
 def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return the (4, 4) matrix of a single pose in any form; a matrix is returned unchecked."""
     pair = _as_pair(value)
@@ -132,6 +133,7 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
     raise PoseError(f"{name} must be {_FORMS}, not {show_array(array)}{hint}")
 
 
+@within_memory
 def read_poses(value: Any, name: str) -> NDArray[np.float64]:
     """Return (k, 4, 4) for many poses, (4, 4) for one, in any form; matrices are unchecked."""
     pair = _as_pair(value)

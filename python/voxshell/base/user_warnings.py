@@ -56,5 +56,5 @@ def shorten_path(path: str | os.PathLike[str]) -> str:
         >>> shorten_path("folder/" * 100 + "part.stl")[-16:]
         '/folder/part.stl'
     """
-    text = os.fspath(path)
+    text = os.fsdecode(path)
     return text if len(text) <= _LONGEST_PATH else f"...{text[-_LONGEST_PATH:]}"

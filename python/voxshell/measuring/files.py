@@ -8,8 +8,8 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+from voxshell.base.extras import explain_import
 from voxshell.base.outputs import write_bytes, write_text
-from voxshell.errors import MissingExtraError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -61,8 +61,8 @@ def import_pyarrow() -> tuple[Any, Any]:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
-        raise MissingExtraError(
-            "Parquet files need pyarrow: pip install voxshell[report]"
+        raise explain_import(
+            error, "Parquet files need pyarrow: pip install voxshell[report]"
         ) from error
     # pyarrow's own threads would disturb timed code.
     pyarrow.set_cpu_count(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import os
 import re
 import signal
@@ -22,6 +23,7 @@ from voxshell.base.arguments import (
     show_value,
 )
 from voxshell.base.calls import explain_calls
+from voxshell.base.extras import explain_import
 from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix
 from voxshell.base.user_warnings import shorten_path
@@ -106,8 +108,12 @@ def read_mesh(mesh: MeshLike, scale: float | None = None) -> Mesh:
     """
     factor = None if scale is None else as_positive(scale, "scale")
     if isinstance(mesh, (str, os.PathLike)):
+        try:
+            path = os.fsdecode(mesh)
+        except TypeError as error:
+            raise InputTypeError(f"mesh must be a path, but {error}") from None
         with naming_file(mesh):
-            loaded, unit = _load(os.fspath(mesh))
+            loaded, unit = _load(path)
             return read_mesh(loaded, unit if factor is None else factor)
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         vertices, faces = mesh
@@ -160,7 +166,7 @@ def doubt_unit(
     """
     if not isinstance(mesh, (str, os.PathLike)) or len(vertices) == 0:
         return ""
-    kind = os.path.splitext(os.fspath(mesh))[1][1:].lower()
+    kind = os.path.splitext(os.fsdecode(mesh))[1][1:].lower()
     longest = float(np.ptp(vertices, axis=0).max())
     if longest <= _LONG or kind not in UNITLESS:
         return ""
@@ -193,9 +199,9 @@ def naming_file(mesh: MeshLike) -> Iterator[None]:
     try:
         yield
     except MeshError as error:
-        if not isinstance(mesh, (str, os.PathLike)) or os.fspath(mesh) in str(error):
+        if not isinstance(mesh, (str, os.PathLike)) or os.fsdecode(mesh) in str(error):
             raise
-        raise MeshError(f"{os.fspath(mesh)}: {error}") from None
+        raise MeshError(f"{os.fsdecode(mesh)}: {error}") from None
 
 
 def _load(path: str) -> tuple[trimesh.Trimesh, float]:
@@ -212,7 +218,7 @@ def _load(path: str) -> tuple[trimesh.Trimesh, float]:
             import trimesh  # this import takes longer than that of voxshell
         # Materials may refer to any file, and do not affect a mesh.
         options = {"skip_materials": True} if kind in ("glb", "gltf", "obj", "ply") else {}
-        with _keeping_interrupts():
+        with _keeping_interrupts(), _keeping_off_stderr("trimesh"):
             # Without processing, vertices stay as in the file; the core merges equal ones.
             mesh = trimesh.load(
                 io.BytesIO(data),
@@ -231,6 +237,10 @@ def _load(path: str) -> tuple[trimesh.Trimesh, float]:
         ) from error
     except OSError as error:
         raise MeshError(f"cannot read mesh {path}: {error.strerror or error}") from error
+    except ImportError as error:
+        explained = explain_import(error, f"its reader is not installed: {error}")
+        kind = MemoryLimitError if isinstance(explained, MemoryLimitError) else MeshError
+        raise kind(f"cannot read mesh {path}: {explained}") from error
     except Exception as error:  # readers raise any type if a file is damaged
         raise MeshError(f"cannot read mesh {path}: {_explain(path, error)}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
@@ -240,10 +250,19 @@ def _load(path: str) -> tuple[trimesh.Trimesh, float]:
     return mesh, unit
 
 
+@contextmanager
+def _keeping_off_stderr(library: str) -> Iterator[None]:
+    """Keep a library's log off stderr, where Python writes it if the program handles no logs."""
+    log, nowhere = logging.getLogger(library), logging.NullHandler()
+    log.addHandler(nowhere)
+    try:
+        yield
+    finally:
+        log.removeHandler(nowhere)
+
+
 def _explain(path: str, error: Exception) -> str:
     """Return why a file cannot be read, and a remedy."""
-    if isinstance(error, ImportError):
-        return f"its reader is not installed: {error}"
     # trimesh's reader of OBJ files does not check indices.
     beyond = re.search(r"index (-?\d+) is out of bounds for axis 0 with size (\d+)", str(error))
     if beyond and path.lower().endswith(".obj"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -41,7 +42,7 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
         return body._core, None
     *others, last = ("Model", *(kind.__name__ for kind in Field.__subclasses__()))
     kind = type(body).__name__
-    if isinstance(body, (str, os.PathLike)):
+    if isinstance(body, (str, Path)):
         hint = f"; build a model of the file: Model.from_mesh({os.fspath(body)!r})"
     elif hasattr(body, "vertices") and hasattr(body, "faces"):  # trimesh's and ours
         hint = "; build a model of the mesh: Model.from_mesh(mesh)"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _core
-from voxshell.base.arguments import as_floats, as_length, as_threads
+from voxshell.base.arguments import as_floats, as_length, as_threads, check_callable
 from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_pose, as_pose_arrays, mend_poses
 from voxshell.errors import PoseError, SettingsError
@@ -255,7 +255,7 @@ def sweep_batch(
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite. The
             message says which.
         SettingsError: As for :func:`sweep`; or the numbers of poses differ.
-        InputTypeError: ``a`` or ``b`` is not a body.
+        InputTypeError: ``a`` or ``b`` is not a body, or ``progress`` cannot be called.
 
     Example:
         >>> import numpy as np
@@ -274,6 +274,7 @@ def sweep_batch(
     count, (starts_a, ends_a, starts_b, ends_b) = as_pose_arrays(
         a_poses=a_poses, a_ends=a_ends, b_poses=b_poses, b_ends=b_ends
     )
+    check_callable(progress, "progress")
     try:
         found = _core.sweep_batch(
             *bodies,

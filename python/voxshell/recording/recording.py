@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from voxshell.base.arguments import as_flag, as_path, as_text
-from voxshell.base.calls import check_options
+from voxshell.base.calls import check_options, explain_calls
 from voxshell.base.notebook import make_frame, make_table
 from voxshell.base.outputs import check_output_file, check_suffix
 from voxshell.errors import MissingExtraError, RecordingError
@@ -31,6 +31,7 @@ _MOST_RAW = 40_000_000
 """Largest uncompressed numbers of such a replay, bytes."""
 
 
+@explain_calls
 @dataclass(frozen=True, eq=False)
 class Recording:
     """The motion of bodies and their contacts, at equal time steps.

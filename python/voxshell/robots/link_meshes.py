@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from voxshell.errors import MeshError, MissingExtraError, RobotError
+from voxshell.base.extras import explain_import
+from voxshell.errors import MeshError, RobotError
 from voxshell.model.meshes import Mesh, read_mesh
 from voxshell.robots.description import MeshArrays
 
@@ -52,7 +53,8 @@ def _need_collada(path: str) -> None:
     try:
         import collada  # noqa: F401
     except ImportError as error:
-        raise MissingExtraError(
+        raise explain_import(
+            error,
             f"cannot read mesh {path}: COLLADA files need pycollada, which cannot be imported "
-            f"({error}); run: pip install 'voxshell[urdf]'"
+            f"({error}); run: pip install 'voxshell[urdf]'",
         ) from error

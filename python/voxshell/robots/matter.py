@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell.base.arguments import FARTHEST
-from voxshell.errors import MissingExtraError
+from voxshell.base.extras import explain_import
 from voxshell.model.mass_properties import MassProperties
 from voxshell.robots.description import Primitive
 from voxshell.robots.link_meshes import read_link_mesh
@@ -159,9 +159,10 @@ def _weigh_collision(
     try:
         hull = convex_hull(vertices)
     except ImportError as error:
-        raise MissingExtraError(
+        raise explain_import(
+            error,
             f"{robot.path}: the mass or inertia of link {link!r} is computed from a convex hull, which "
-            f"needs scipy ({error}); run: pip install 'voxshell[urdf]'"
+            f"needs scipy ({error}); run: pip install 'voxshell[urdf]'",
         ) from error
     except Exception:  # scipy raises several types if the points are in a plane
         return None

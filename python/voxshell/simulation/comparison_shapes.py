@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_floats, as_not_negative
+from voxshell.base.arguments import as_floats, as_not_negative, is_iterable
 from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError, MeshError, SettingsError
 from voxshell.model.meshes import Mesh, read_mesh
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.model.meshes import MeshLike
@@ -79,7 +80,7 @@ class ConvexDecomposition:
     __slots__ = ("hulls", "margin", "mesh")
 
     def __init__(self, hulls: Iterable[ArrayLike], *, margin: float = MARGIN) -> None:
-        if not isinstance(hulls, Iterable):
+        if not is_iterable(hulls):
             raise InputTypeError(
                 f"hulls must be arrays of points, one for each hull, not {type(hulls).__name__}"
             )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from voxshell.base.arguments import is_iterable
 from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import InputTypeError, SettingsError
@@ -15,6 +15,8 @@ from voxshell.model.shapes import Box, Capsule, Cone, Cylinder, Sphere
 from voxshell.simulation.comparison_shapes import ConvexDecomposition, GImpact
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
 Part: TypeAlias = Model | Box | Sphere | Capsule | Cylinder | Cone | GImpact | ConvexDecomposition
@@ -47,7 +49,7 @@ class Compound:
     __slots__ = ("parts",)
 
     def __init__(self, parts: Iterable[tuple[Part, ArrayLike]]) -> None:
-        if not isinstance(parts, Iterable):
+        if not is_iterable(parts):
             raise InputTypeError(
                 f"parts must be pairs of a shape and a pose, not {type(parts).__name__}"
             )

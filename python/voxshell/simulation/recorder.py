@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from voxshell.base.calls import explain_calls
 from voxshell.errors import InputTypeError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_colors import as_body_colors
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from voxshell.simulation.body import Body
 
 
+@explain_calls
 class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from voxshell.errors import MissingExtraError
+from voxshell.base.extras import explain_import
 from voxshell.model.meshes import Mesh
 
 if TYPE_CHECKING:
@@ -77,8 +77,8 @@ def find_level_surface(model: Model, distance: float) -> Mesh:
     try:
         from manifold3d import Manifold  # pyright: ignore[reportMissingImports]
     except ImportError as error:
-        raise MissingExtraError(
-            "level surfaces are made with manifold3d: pip install 'voxshell[viewer]'"
+        raise explain_import(
+            error, "level surfaces are made with manifold3d: pip install 'voxshell[viewer]'"
         ) from error
     low, high = model.bounds
     edge = float((high - low).max()) / _CELLS

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import as_integer
+from voxshell.base.extras import explain_import
 from voxshell.errors import MissingExtraError
 from voxshell.viewer.guard import guarding, make_token
 
@@ -25,9 +26,10 @@ def import_viser() -> ModuleType:
     try:
         import viser
     except ImportError as error:
-        raise MissingExtraError(
+        raise explain_import(
+            error,
             f"the viewer needs viser, which cannot be imported ({error}); "
-            "run: pip install 'voxshell[viewer]'"
+            "run: pip install 'voxshell[viewer]'",
         ) from error
     return viser
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from voxshell.base.arguments import as_unicode
+from voxshell.base.arguments import as_unicode, show_value
+from voxshell.base.extras import explain_import
 from voxshell.base.outputs import replacing
-from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
+from voxshell.errors import FileAccessError, SettingsError
 from voxshell.viewer.arrows import ARROW_SHAFT
 from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FORCE_COLOR, choose_colors
@@ -27,8 +28,8 @@ _MOST_CONTACTS = 400
 
 def save_usd(path: Path, recording: Recording, *, up: str = "+z", contacts: bool = True) -> Path:
     """Write a recording as USD; see :meth:`voxshell.recording.Recording.save_usd`."""
-    if up not in ("+z", "+y"):
-        raise SettingsError(f"up must be '+z' or '+y' in USD, not {up!r}")
+    if not (isinstance(up, str) and up in ("+z", "+y")):
+        raise SettingsError(f"up must be '+z' or '+y' in USD, not {show_value(up)}")
     usd = _import_usd()
     with replacing(path) as temporary:
         stage = usd.Usd.Stage.CreateInMemory()
@@ -67,8 +68,9 @@ def _import_usd() -> Any:
         for name in ("Gf", "Tf", "Usd", "UsdGeom", "Vt"):
             import_module(f"pxr.{name}")
     except ImportError as error:
-        raise MissingExtraError(
-            f"USD files need usd-core, which cannot be imported ({error}); run: pip install 'voxshell[usd]'"
+        raise explain_import(
+            error,
+            f"USD files need usd-core, which cannot be imported ({error}); run: pip install 'voxshell[usd]'",
         ) from error
     return import_module("pxr")
 

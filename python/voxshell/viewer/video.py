@@ -11,6 +11,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_integer, as_positive, check_callable
 from voxshell.base.calls import explain_calls
+from voxshell.base.extras import explain_import
 from voxshell.base.lengths import metric
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
@@ -139,9 +140,10 @@ def _import_libraries() -> tuple[Any, Any]:
         import_module("imageio_ffmpeg")
         return import_module("pyvista"), import_module("imageio.v2")
     except ImportError as error:
-        raise MissingExtraError(
+        raise explain_import(
+            error,
             "videos need pyvista, imageio and imageio-ffmpeg, and one cannot be imported "
-            f"({error}); run: pip install 'voxshell[video]'"
+            f"({error}); run: pip install 'voxshell[video]'",
         ) from error
 
 

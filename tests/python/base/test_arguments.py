@@ -177,3 +177,43 @@ def test_infinity_is_a_number_and_no_array():
     assert arguments.is_infinite(np.float32(math.inf))
     for value in (-math.inf, 1.0, None, "inf", np.array([math.inf, 1.0])):
         assert not arguments.is_infinite(value)
+
+
+class Unshowable:
+    def __repr__(self) -> str:
+        raise AttributeError("not made yet")
+
+
+def nest(depth: int) -> list:
+    nested: list = []
+    for _ in range(depth):
+        nested = [nested]
+    return nested
+
+
+@pytest.mark.parametrize("value", [Unshowable(), nest(10**4)], ids=["object", "list"])
+def test_values_that_cannot_be_shown_are_refused_like_others(value: object):
+    with pytest.raises(
+        vx.SettingsError, match=f"x must be a number, not a {type(value).__name__} that cannot be"
+    ):
+        arguments.as_real(value, "x")
+
+
+@pytest.mark.parametrize("value", [range(10**15), np.broadcast_to(0.0, (10**12, 3))])
+def test_arguments_beyond_all_memory_are_named(value):
+    ball = vx.Sphere(0.1)
+    with pytest.raises(vx.MemoryLimitError, match="no memory left for points"):
+        arguments.as_points(value, "points")
+    with pytest.raises(vx.MemoryLimitError, match="no memory left for a_pose"):
+        vx.collide(ball, ball, value)
+    with pytest.raises(vx.MemoryLimitError, match="no memory left for a_poses"):
+        vx.collide_batch(ball, ball, value)
+
+
+def test_what_only_seems_iterable_is_not():
+    assert arguments.is_iterable([])
+    assert arguments.is_iterable(iter("ab"))
+    assert not arguments.is_iterable(np.array(1.0))
+    for make in (vx.Compound, vx.ConvexDecomposition):
+        with pytest.raises(vx.InputTypeError, match="not ndarray"):
+            make(np.array(1.0))

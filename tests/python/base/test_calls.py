@@ -168,3 +168,14 @@ def test_errors_of_callbacks_stay_as_they_are():
         with pytest.raises(TypeError) as caught:
             vx.World().step(1, callback)
         assert type(caught.value) is TypeError
+
+
+def test_no_memory_is_an_error_of_ours():
+    @explain_calls
+    def fill(count: int) -> list[int]:
+        raise MemoryError
+
+    with pytest.raises(vx.MemoryLimitError, match=r"^no memory left for .*fill\(\)$"):
+        fill(5)
+    with pytest.raises(vx.MemoryLimitError, match=r"no memory left for World\.ray_cast\(\)"):
+        WORLD.ray_cast(range(10**15), (0, 0, 0))

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import os
 import signal
 import struct
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +15,7 @@ import trimesh
 import voxshell as vx
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from voxshell.model.meshes import read_mesh
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -387,3 +391,42 @@ def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monke
 def test_an_address_is_not_fetched():
     with pytest.raises(vx.MissingFileError, match="does not exist"):
         build("https://example.com/bunny.stl")
+
+
+class OddPath:
+    """What a path object says."""
+
+    def __init__(self, said: object) -> None:
+        self.said = said
+
+    def __fspath__(self) -> object:
+        return self.said
+
+
+def test_path_objects_may_be_bytes_and_nothing_odd(tmp_path: Path):
+    path = tmp_path / "box.stl"
+    trimesh.creation.box().export(path)
+    assert len(read_mesh(OddPath(os.fsencode(path))).faces) == 12
+    with pytest.raises(vx.MissingFileError, match=r"missing\.stl"):
+        read_mesh(OddPath(b"/dev/missing.stl"))
+    with pytest.raises(vx.InputTypeError, match=r"mesh must be a path, but .* not int"):
+        read_mesh(OddPath(5))
+
+
+def test_normals_that_cannot_be_read_do_not_matter(tmp_path: Path):
+    """trimesh printed its traceback. The program's own handlers still get what it says."""
+    path = tmp_path / "box.stl"
+    text = trimesh.exchange.stl.export_stl_ascii(trimesh.creation.box())
+    path.write_text(text.replace("facet normal", "facet normal x", 1))
+    program = (
+        "import logging, sys\n"
+        "from voxshell.model.meshes import read_mesh\n"
+        f"print(len(read_mesh({str(path)!r}).faces), logging.getLogger('trimesh').handlers)\n"
+        "logging.basicConfig(format='%(name)s: %(message)s', stream=sys.stdout)\n"
+        f"read_mesh({str(path)!r})\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert ended.stderr == ""
+    assert ended.stdout.startswith("12 []\ntrimesh.util: failed to extract face_normals\n")

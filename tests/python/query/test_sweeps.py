@@ -356,3 +356,9 @@ def test_wrong_batches_are_named(box, motions):
     for fractions in (math.nan, 1e5, ["a"], [[1, 2], [3]], [[0.5]]):
         with pytest.raises(vx.SettingsError, match="fractions must be"):
             vx.interpolate_pose(None, None, fractions)
+
+
+def test_what_reports_progress_must_be_callable():
+    ball = vx.Sphere(0.1)
+    with pytest.raises(vx.InputTypeError, match="progress must be callable, not float"):
+        vx.sweep_batch(ball, ball, progress=1.0)
