@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voxshell.base.arguments import as_floats, as_not_negative
+from voxshell.base.arguments import FARTHEST, as_floats, as_not_negative
 from voxshell.errors import SettingsError
 from voxshell.model.shapes import Plane
 from voxshell.simulation.comparison_shapes import GImpact
@@ -31,7 +31,7 @@ class WorldQueries(WorldContents):
         Rays hit the triangles of a model's mesh from either side.
 
         Args:
-            starts: (n, 3), meters, world frame; or (3,) for one ray.
+            starts: (n, 3), meters, world frame, within 1e15 m; or (3,) for one ray.
             ends: Likewise.
 
         Returns:
@@ -40,7 +40,7 @@ class WorldQueries(WorldContents):
             ``normal`` ((3,), unit normal of the surface; zero without a hit).
 
         Raises:
-            SettingsError: The arrays differ in shape, or a number is not finite.
+            SettingsError: The arrays differ in shape, or a number is not finite or beyond 1e15.
 
         Example:
             >>> import voxshell as vx
@@ -61,6 +61,11 @@ class WorldQueries(WorldContents):
         for name, points in (("starts", first), ("ends", last)):
             if not np.isfinite(points).all():
                 raise SettingsError(f"{name} must be finite")
+            farthest = float(np.abs(points).max(initial=0.0))
+            if farthest > FARTHEST:
+                raise SettingsError(
+                    f"{name} must be within {FARTHEST:g} m of the origin, not {farthest:g}"
+                )
         return as_hits(self._simulation.cast_rays(first, last))
 
     def query_contacts(

@@ -222,6 +222,8 @@ def test_wrong_queries_are_refused(ring):
         world.ray_cast((0, 0, 0), [(0, 0, 1), (0, 0, 2)])
     with pytest.raises(vx.SettingsError, match="ends must be finite"):
         world.ray_cast((0, 0, 0), (0, 0, np.inf))
+    with pytest.raises(vx.SettingsError, match=r"ends must be within 1e\+15 m .*, not 1e\+100"):
+        world.ray_cast((0, 0, 0), (0, 0, -1e100))
     with pytest.raises(vx.SettingsError, match="starts must be"):  # raised numpy's ValueError
         world.ray_cast([0, [0, 0]], (0, 0, 1))
     with pytest.raises(
