@@ -9,6 +9,7 @@ import numpy as np
 import trimesh
 
 from voxshell import _core
+from voxshell.errors import MemoryLimitError
 from voxshell.model.shapes import Box, Capsule, Cone, ConvexPolyhedron, Cylinder, Sphere
 
 if TYPE_CHECKING:
@@ -24,7 +25,21 @@ def find_shell(shape: Field) -> _core.Model | None:
     A shell by tolerance has few points where its mesh is flat, so a shape may lie between them. The
     shape's own shell finds such contacts in the model's field. It is built once from an inscribed
     mesh, and equal shapes share it.
+
+    Raises:
+        MemoryLimitError: The shape is too long for its thickness.
     """
+    try:
+        return _find_shell(shape)
+    except MemoryLimitError as error:
+        raise MemoryLimitError(
+            f"the points of {shape!r} take too much memory, because it is long for its thickness "
+            f"({error}); use the points of the model alone: pass shell='a' or shell='b', whichever "
+            "is the model, though thin shapes may pass between them"
+        ) from error
+
+
+def _find_shell(shape: Field) -> _core.Model | None:
     if shape._shell_model is None:
         if isinstance(shape, ConvexPolyhedron):
             shape._shell_model = _build(*shape.mesh)

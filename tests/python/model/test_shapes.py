@@ -242,3 +242,13 @@ def test_compounds_and_hulls_are_pickled():
     assert repr(copied) == repr(whole)
     assert copied.parts[1][1].tolist() == whole.parts[1][1].tolist()
     vx.World().add(copied)
+
+
+def test_a_shape_too_long_for_its_thickness_is_named_with_a_remedy():
+    model = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)))
+    wire = vx.Cylinder(1e-4, 1000)
+    with pytest.raises(
+        vx.MemoryLimitError, match=r"points of Cylinder\(radius=0\.0001, length=1000\) .* shell='b'"
+    ):
+        vx.collide(wire, model)
+    assert not vx.collide(wire, model, (0, 0.1, 0), shell="b")
