@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import mmap
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from voxshell.base.calls import explain_calls
-from voxshell.errors import InputTypeError
+from voxshell.errors import InputTypeError, MemoryLimitError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_colors import as_body_colors
 from voxshell.simulation.body_shapes import mesh_of
@@ -22,6 +23,11 @@ if TYPE_CHECKING:
 
     from voxshell import _bullet
     from voxshell.simulation.body import Body
+
+
+_SPARE, _SPARE_OF_BODY = 4 << 20, 1 << 10
+"""Bytes that must be free before a frame is taken: where nanobind finds no memory for a small array,
+it ends the process."""
 
 
 @explain_calls
@@ -190,6 +196,7 @@ class Recorder:
         )
 
     def _take_frame(self) -> None:
+        _check_memory(_SPARE + _SPARE_OF_BODY * len(self._poses))
         # Other threads may add and remove bodies meanwhile.
         present = {body: body.pose for body in tuple(self._bodies) if not body.removed}
         for body in present:
@@ -203,3 +210,11 @@ class Recorder:
 
     def _is_unique(self, name: str) -> bool:
         return sum(body.name == name for body in self._poses) == 1
+
+
+def _check_memory(size: int) -> None:
+    """Raise MemoryLimitError if the system does not have as many bytes."""
+    try:
+        mmap.mmap(-1, size).close()
+    except OSError as error:
+        raise MemoryLimitError("no memory left to record another frame") from error

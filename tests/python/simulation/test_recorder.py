@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import gc
+import subprocess
+import sys
+import textwrap
 import weakref
 from pathlib import Path
 
@@ -160,3 +163,43 @@ def test_a_recorder_that_is_dropped_records_no_more():
     world.step(5, lambda _: kept.clear())
     assert dropped() is None
     assert not world._recorders
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc and sets RLIMIT_AS")
+def test_a_recorder_that_runs_out_of_memory_raises():
+    """nanobind ended the process where it found no memory for the array of a pose."""
+    program = """
+        import os, resource
+        import voxshell as vx
+
+        world = vx.World(threads=1)
+        world.add(vx.Plane(), mass=0)
+        for number in range(3):
+            world.add(vx.Sphere(0.1), pose=(number, 0, 0.1))
+        recorder = world.record()
+        world.step(5)
+        with open("/proc/self/statm") as sizes:
+            pages = int(sizes.read().split()[0])
+        endings = set()
+        for kilobytes in range(0, 8000, 400):
+            child = os.fork()
+            if child == 0:
+                most = pages * os.sysconf("SC_PAGE_SIZE") + 1024 * kilobytes
+                resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+                resource.setrlimit(resource.RLIMIT_AS, (most, most))
+                try:
+                    while True:
+                        world.step(1000)
+                except vx.MemoryLimitError:
+                    os._exit(42)
+            endings.add(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+        print(endings)
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert (ended.stdout, ended.stderr) == ("{42}\n", "")
