@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from types import ModuleType
 
-_kept: dict[str, ModuleType] = vars(sys).setdefault("_voxshell_compiled", {})
+_kept: dict[str, ModuleType] = sys.__dict__.setdefault("_voxshell_compiled", {})
 """By name. Modules of ``sys`` outlive what tests and reloaders remove from ``sys.modules``."""
 
 

@@ -25,6 +25,7 @@ from voxshell.base.calls import check_takes, explain_calls
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError, SettingsError
+from voxshell.simulation.forks import Using
 from voxshell.simulation.limits import check_motions, check_time_step, doubt_gravity
 from voxshell.simulation.recorder import Recorder
 from voxshell.simulation.state import WorldState, check_same
@@ -229,7 +230,7 @@ class World(ViewedWorld):
             SettingsError: ``n`` is below 0.
             InputTypeError: ``callback`` or ``before`` cannot be called with the world.
             SimulationError: A body's pose or velocity is no longer finite. The world keeps the
-                state of the failed step.
+                state of the failed step. Or the process is the child of a fork during a step.
         """
         count = as_integer(n, "n, the number of steps,", 0, 2**31 - 1)
         check_callable(callback, "callback")
@@ -238,7 +239,8 @@ class World(ViewedWorld):
             self._pairs.judge(self._bodies, self._joints)
         view = self._view if self._view is not None and self._view.is_open else None
         if callback is None and before is None and view is None and not self._find_recorders():
-            self._simulation.step(count)
+            with Using(self):
+                self._simulation.step(count)
             check_motions(self._simulation, self._bodies, self._advice)
             return
         try:
@@ -247,7 +249,8 @@ class World(ViewedWorld):
                     view.before_step()
                 if before is not None:
                     before(self)
-                self._simulation.step(1)
+                with Using(self):
+                    self._simulation.step(1)
                 check_motions(self._simulation, self._bodies, self._advice)
                 self._take_frames()
                 if view is not None:

@@ -11,6 +11,7 @@ from voxshell.base.arguments import FARTHEST, as_floats, as_not_negative
 from voxshell.errors import SettingsError
 from voxshell.model.shapes import Plane
 from voxshell.simulation.comparison_shapes import GImpact
+from voxshell.simulation.forks import Using
 from voxshell.simulation.tables import as_contacts, as_hits, as_timings, take_contacts
 from voxshell.simulation.world_contents import WorldContents
 
@@ -66,7 +67,8 @@ class WorldQueries(WorldContents):
                 raise SettingsError(
                     f"{name} must be within {FARTHEST:g} m of the origin, not {farthest:g}"
                 )
-        return as_hits(self._simulation.cast_rays(first, last))
+        with Using(self):
+            return as_hits(self._simulation.cast_rays(first, last))
 
     def query_contacts(
         self, a: Body, b: Body | None = None, *, margin: float = 0.0
