@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from voxshell.base.arguments import as_points
 from voxshell.base.calls import explain_calls
+from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -152,6 +153,9 @@ class DistanceField(Field):
         A mesh with a value below one half is refused.
         """
         return self._grid.sign_confidence
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError("a DistanceField cannot be pickled or copied: pass its model")
 
     def __repr__(self) -> str:
         x, y, z = self.shape

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from voxshell.base.arguments import as_integer
+from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -89,6 +90,11 @@ class PointShell:
         """The tree of clusters over the points."""
         return PointSphereTree(self._core.tree)
 
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError(
+            "a PointShell cannot be pickled or copied: pass its model, or its arrays"
+        )
+
     def __repr__(self) -> str:
         edges = len(self.edges)
         segments = f"{edges} edge segments, " if edges > 0 else ""
@@ -161,3 +167,6 @@ class PointSphereTree:
             SettingsError: ``level`` is out of range.
         """
         return self._core.segments(as_integer(level, "level", 1, self._core.deepest_level))
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError("a PointSphereTree cannot be pickled or copied: pass its model")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 from voxshell import _core
+from voxshell.errors import InputTypeError
 
 
 class QueryScratch:
@@ -30,3 +33,6 @@ class QueryScratch:
 
     def __init__(self) -> None:
         self._core = _core.QueryScratch()
+
+    def __reduce__(self) -> NoReturn:
+        raise InputTypeError("a QueryScratch cannot be pickled or copied: make another one")

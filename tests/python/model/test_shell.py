@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import gc
+import pickle
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -95,3 +97,16 @@ def test_every_place_of_the_bunny_is_near_a_point_that_does_not_face_away(
     facing = bunny_mesh.face_normals[faces] @ shell.normals.astype(float).T > -0.003
     distances = np.where(facing, np.linalg.norm(offsets, axis=2), np.inf)
     assert distances.min(axis=1).max() <= np.sqrt(3) * shell.spacing * (1 + 1e-6)
+
+
+def test_parts_of_models_say_how_to_pass_them_on():
+    model = vx.Model.from_mesh(trimesh.creation.box(), resolution=5)
+    for part, advice in (
+        (model.field, "a DistanceField cannot be pickled or copied: pass its model"),
+        (model.shell, "pass its model, or its arrays"),
+        (model.shell.tree, "a PointSphereTree cannot be pickled or copied: pass its model"),
+        (vx.QueryScratch(), "make another one"),
+    ):
+        for refuse in (pickle.dumps, deepcopy):
+            with pytest.raises(vx.InputTypeError, match=advice):
+                refuse(part)
