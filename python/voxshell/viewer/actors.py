@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from voxshell.base.arguments import as_unicode
 from voxshell.recording import BodyTrack
-from voxshell.viewer.arrows import ARROW_SHAFT, LONGEST_ARROW, find_arrows
+from voxshell.viewer.arrows import LONGEST_ARROW, find_arrows, make_arrow, place_arrows
 from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FLOOR_COLOR, FORCE_COLOR
-from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
+from voxshell.viewer.pins import Pins, as_light, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
@@ -230,26 +230,36 @@ class _ForceActor(_MarkActor):
             return None
         frames = script.timeline.contact_frames(lane.recording)
         fullest = int(frames[np.argmax(lane.recording.contacts.counts[frames])])
-        shaft = ARROW_SHAFT * script.stage.body_size * script.stage.scale
-        node = scene.add_arrows(
+        positions, turns, scales = _arrows(lane, fullest, script)
+        vertices, faces = split_creases(*make_arrow())
+        node = scene.add_batched_meshes_simple(
             name,
-            _arrows(lane, fullest, script),
-            FORCE_COLOR,
-            shaft_radius=shaft,
-            head_radius=3.0 * shaft,
-            head_length=7.0 * shaft,
+            vertices.astype(np.float32),
+            faces.astype(np.uint32),
+            turns,
+            positions,
+            batched_scales=scales,
+            batched_colors=as_light(np.array([FORCE_COLOR], np.float64))[0],
+            lod="off",
+            cast_shadow=False,
+            receive_shadow=False,
             visible=False,
         )
         return cls(node, lane, frames, script)
 
     def show(self, instant: int) -> None:
-        arrows = _arrows(self._lane, int(self._frames[instant]), self._script)
-        if len(arrows):
-            self._node.points = arrows
-        self._show_if(bool(len(arrows)))
+        positions, turns, scales = _arrows(self._lane, int(self._frames[instant]), self._script)
+        if len(positions):
+            self._node.batched_positions = positions
+            self._node.batched_wxyzs = turns
+            self._node.batched_scales = scales
+        self._show_if(bool(len(positions)))
 
 
-def _arrows(lane: Lane, frame: int, script: Script) -> NDArray[np.float32]:
+def _arrows(
+    lane: Lane, frame: int, script: Script
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """Return positions (k, 3), quaternions (k, 4) and scales (k, 3) of the arrows of a frame."""
     contacts, scale = lane.recording.contacts.frame(frame), script.stage.scale
     arrows = find_arrows(
         contacts.points * scale,
@@ -258,7 +268,9 @@ def _arrows(lane: Lane, frame: int, script: Script) -> NDArray[np.float32]:
         longest=LONGEST_ARROW * script.stage.body_size * scale,
         limit=script.max_contacts,
     )
-    return (np.round(arrows / _PIN_GRAIN) * _PIN_GRAIN).astype(np.float32)
+    placed = place_arrows(arrows, body_size=script.stage.body_size * scale)
+    positions, turns, scales = (np.round(each / _PIN_GRAIN) * _PIN_GRAIN for each in placed)
+    return positions.astype(np.float32), turns.astype(np.float32), scales.astype(np.float32)
 
 
 def _pins(lane: Lane, frame: int, script: Script) -> Pins:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxshell.viewer.quaternions import normals_as_wxyz
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -17,6 +19,10 @@ if TYPE_CHECKING:
 LONGEST_ARROW, ARROW_SHAFT = 0.6, 0.008
 """Length of the longest arrow of a recording, and radius of all shafts, in diameters of a typical body."""
 
+_SHAFT, _HEAD, _HEAD_LENGTH, _SIDES = 0.02, 0.06, 0.18, 12
+"""Radii, and length of the head, of an arrow of length 1."""
+_STOUT = 2.0
+"""Ratio of width to length up to which short arrows are stouter than that, so that they stay visible."""
 _LEAST_FRACTION = 2.5e-4
 """Of the force of the longest arrow: smaller forces have none."""
 _FULL_FORCE_QUANTILE = 0.98
@@ -62,3 +68,33 @@ def find_arrows(
     lengths = np.minimum(sizes[chosen] / max(strongest, 1e-300), 1.0) * longest
     directions = forces[chosen] / np.maximum(sizes[chosen], 1e-300)[:, None]
     return np.stack([points[chosen], points[chosen] + lengths[:, None] * directions], axis=1)
+
+
+def make_arrow() -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The surface of an arrow of length 1 along z: vertices (n, 3) and faces (m, 3)."""
+    profile = ((0.0, 0.0), (_SHAFT, 0.0), (_SHAFT, 1 - _HEAD_LENGTH), (_HEAD, 1 - _HEAD_LENGTH))
+    from trimesh.creation import revolve
+
+    mesh = revolve((*profile, (0.0, 1.0)), sections=_SIDES)
+    return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+
+
+def place_arrows(
+    arrows: NDArray[np.float64], *, body_size: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """How to place the arrow of :func:`make_arrow` as each of some arrows.
+
+    Short arrows are small in all directions, head included. Long ones have one width.
+
+    Args:
+        arrows: (k, 2, 3): start and tip of each.
+        body_size: Diameter of a typical body, in the same unit.
+
+    Returns:
+        Positions (k, 3), quaternions (k, 4), w first, and scales along x, y and z, (k, 3).
+    """
+    ways = arrows[:, 1] - arrows[:, 0]
+    lengths = np.linalg.norm(ways, axis=1)
+    turns = normals_as_wxyz(ways / np.maximum(lengths, 1e-300)[:, None])
+    widths = np.minimum(_STOUT * lengths, ARROW_SHAFT / _SHAFT * body_size)
+    return arrows[:, 0], turns, np.stack([widths, widths, lengths], axis=1)

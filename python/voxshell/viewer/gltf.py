@@ -11,6 +11,7 @@ import numpy as np
 
 from voxshell.base.outputs import write_bytes
 from voxshell.viewer.lanes import view_axes
+from voxshell.viewer.arrows import make_arrow
 from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import build_pin_mesh, color_depths
@@ -35,8 +36,6 @@ _MOST_CONTACTS = 100
 """Of a frame: each is a node."""
 _DEPTH_STEPS = 4
 """Colors of balls: animations move nodes, but do not change their colors."""
-_SHAFT, _HEAD, _HEAD_LENGTH, _SIDES = 0.02, 0.06, 0.18, 12
-"""Radii, and length of the head, of an arrow of length 1."""
 
 
 def save_gltf(path: Path, recording: Recording, *, up: str = "+z", contacts: bool = True) -> Path:
@@ -279,7 +278,10 @@ def _add_contacts(animation: _Animation, marked: MarkedContacts, recording: Reco
         animation.add_slots(mesh, "contact", places)
     arrows = [_as_arrows(marks.arrows) for marks in frames]
     if any(len(each) for each in arrows):
-        mesh = animation.add_mesh("force", *_make_arrow(), FORCE_COLOR)
+        vertices, faces = make_arrow()
+        mesh = animation.add_mesh(
+            "force", vertices.astype(np.float32), faces.astype(np.uint32), FORCE_COLOR
+        )
         animation.add_slots(mesh, "force", arrows)
 
 
@@ -295,15 +297,6 @@ def _as_arrows(arrows: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.linalg.norm(ways, axis=1, keepdims=True)
     turns = np.roll(normals_as_wxyz(ways / np.maximum(lengths, 1e-300)), -1, axis=1)
     return np.concatenate([arrows[:, 0], turns, lengths], axis=1)
-
-
-def _make_arrow() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Return the surface of an arrow of length 1 along z."""
-    profile = ((0.0, 0.0), (_SHAFT, 0.0), (_SHAFT, 1 - _HEAD_LENGTH), (_HEAD, 1 - _HEAD_LENGTH))
-    from trimesh.creation import revolve
-
-    mesh = revolve((*profile, (0.0, 1.0)), sections=_SIDES)
-    return mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
 
 
 def _describe_material(color: tuple[int, int, int]) -> dict[str, Any]:

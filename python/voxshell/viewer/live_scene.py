@@ -10,7 +10,7 @@ import numpy as np
 from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
-from voxshell.viewer.arrows import find_arrows
+from voxshell.viewer.arrows import find_arrows, make_arrow, place_arrows
 from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.palette import (
     BODY_COLORS,
@@ -343,23 +343,30 @@ class LiveScene:
         self, name: str, arrows: NDArray[np.float64], color: tuple[int, int, int]
     ) -> None:
         assert self.extent is not None
-        points = arrows.astype(np.float32)
+        placed = place_arrows(arrows, body_size=self.extent.body * self.scale)
+        positions, turns, scales = (each.astype(np.float32) for each in placed)
         node = self._extras.get(name)
-        if node is None and len(points):
-            shaft = 0.008 * self.extent.body * self.scale
-            self._extras[name] = self._scene.add_arrows(
+        if node is None and len(positions):
+            vertices, faces = split_creases(*make_arrow())
+            self._extras[name] = self._scene.add_batched_meshes_simple(
                 f"/{name}",
-                points,
-                color,
-                shaft_radius=shaft,
-                head_radius=3.0 * shaft,
-                head_length=7.0 * shaft,
+                vertices.astype(np.float32),
+                faces.astype(np.uint32),
+                turns,
+                positions,
+                batched_scales=scales,
+                batched_colors=as_light(np.array([color], np.float64))[0],
+                lod="off",
+                cast_shadow=False,
+                receive_shadow=False,
             )
         elif node is not None:
-            if len(points):
-                node.points = points
-            if node.visible != bool(len(points)):
-                node.visible = bool(len(points))
+            if len(positions):
+                node.batched_positions = positions
+                node.batched_wxyzs = turns
+                node.batched_scales = scales
+            if node.visible != bool(len(positions)):
+                node.visible = bool(len(positions))
 
 
 def _foot(

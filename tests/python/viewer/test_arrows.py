@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trimesh.transformations import quaternion_matrix
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.viewer.arrows import find_arrows, full_force
+from voxshell.viewer.arrows import find_arrows, full_force, make_arrow, place_arrows
 
 
 def pressed(*newtons: float) -> Recording:
@@ -35,3 +36,23 @@ def test_arrows_are_as_long_as_forces_up_to_the_longest():
     few = find_arrows(points, forces, strongest=2.0, longest=0.5, limit=1)
     np.testing.assert_array_equal(few[:, 0], points[1:2])
     assert find_arrows(points, 0.0 * forces, strongest=0.0, longest=1.0, limit=9).shape == (0, 2, 3)
+
+
+def test_short_arrows_are_small_with_their_heads_and_reach_from_start_to_tip():
+    starts = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    ways = np.array([[0.0, 0.0, 0.5], [0.0, 0.004, 0.0], [0.0, 0.0, -0.1]])
+    arrows = np.stack([starts, starts + ways], axis=1)
+    positions, turns, scales = place_arrows(arrows, body_size=1.0)
+    vertices, _ = make_arrow()
+    for arrow, way, position, turn, scale in zip(
+        arrows, ways, positions, turns, scales, strict=True
+    ):
+        rotation = quaternion_matrix(turn)[:3, :3]
+        placed = (vertices * scale) @ rotation.T + position
+        length = np.linalg.norm(way)
+        along = (placed - arrow[0]) @ way / length
+        assert along.min() == pytest.approx(0.0, abs=1e-9)
+        assert along.max() == pytest.approx(length)
+        across = np.linalg.norm(placed - arrow[0] - along[:, None] * way / length, axis=1)
+        assert across.max() < 0.2 * length
+    assert scales[0, 0] > scales[2, 0] > scales[1, 0]

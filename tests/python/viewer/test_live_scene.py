@@ -124,7 +124,9 @@ def test_the_spring_of_the_mouse_is_an_arrow_as_long_as_it_lasts(scene: LiveScen
     lines = np.array([[ball.position, (0.3, 0, 0)]])
     scene.show(frame, lines)
     arrow = scene._extras["pulls"]
-    assert arrow.points == pytest.approx(scene.scale * lines, rel=1e-6)
+    assert arrow.batched_positions == pytest.approx(scene.scale * lines[:, 0], rel=1e-6)
+    length = np.linalg.norm(lines[0, 1] - lines[0, 0])
+    assert arrow.batched_scales[:, 2] == pytest.approx(scene.scale * length, rel=1e-6)
     scene.show(frame, NOTHING_PULLS)
     assert not arrow.visible
     scene.show(frame, lines)

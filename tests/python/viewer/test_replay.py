@@ -14,13 +14,13 @@ import pytest
 import trimesh
 import viser
 from marks_on_page import read_drawn
-from player import PATIENCE, Player
+from player import HEIGHT, PATIENCE, WIDTH, Player
 from playwright.sync_api import expect
 from voxshell.errors import RecordingError, SettingsError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.viewer.lanes import Lane, arrange_lanes
 from voxshell.viewer.replay import _describe_rate, save_replay
-from voxshell.viewer.stage import plan_stage
+from voxshell.viewer.stage import place_camera, plan_stage
 from voxshell.viewer.timeline import plan_timeline
 
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=0.1)
@@ -190,6 +190,32 @@ def test_the_camera_stays_above_the_ground(play: Callable[[Path], Player], tmp_p
     while lowest() > 0.5 * height:
         assert time.monotonic() < end, "the drag turns nothing"
     assert 0.0 < lowest() < 0.2 * height
+
+
+def test_contacts_that_show_through_bodies_hide_each_other_as_solid_things_do(
+    play: Callable[[Path], Player], tmp_path: Path
+):
+    _, ground = fall_and_roll().bodies
+    poses = np.tile(np.eye(4), (2, 1, 1))
+    ball = BodyTrack("ball", BALL.vertices, BALL.faces, None, poses)
+    ground = BodyTrack("ground", BLOCK.vertices - (0, 0, 0.35), BLOCK.faces, None, poses)
+    empty = Recording(0.1, (ball, ground), ContactTrack.empty(2))
+    stage = plan_stage([Lane("", empty)], up="+z")
+    camera = place_camera([(stage.low * stage.scale, stage.high * stage.scale)], rows=1, up="+z")
+    # Both are in the middle of the picture, inside the ball, and the far one is drawn last.
+    away = camera.target - camera.position
+    away /= np.linalg.norm(away)
+    center = camera.target / stage.scale
+    points = center + np.array([[-0.03], [0.03]]) * away
+    frame = (points, np.tile([0.0, 0.0, 1.0], (2, 1)), np.array([0.0, 0.005]))
+    recording = Recording(0.1, empty.bodies, ContactTrack.from_frames([frame, frame]))
+    player = play(recording.save_html(tmp_path / "replay.html"))
+
+    def in_the_middle(picture: np.ndarray) -> np.ndarray:
+        return picture[HEIGHT // 2 - 1 : HEIGHT // 2 + 1, WIDTH // 2 - 1 : WIDTH // 2 + 1]
+
+    middle = in_the_middle(player.wait(lambda p: warm(in_the_middle(p)) == 4, "no contact is seen"))
+    assert middle[..., 1].min() > 100, "the far contact, dark red, is before the near one, yellow"
 
 
 def test_the_browser_refuses_what_a_page_might_fetch(play: Callable[[Path], Player], replay: Path):
