@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell.base.outputs import write_bytes
-from voxshell.viewer.lanes import view_axes
 from voxshell.viewer.arrows import make_arrow
+from voxshell.viewer.lanes import view_axes
 from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import build_pin_mesh, color_depths
