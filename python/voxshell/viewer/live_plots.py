@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from voxshell.viewer.line_plots import LinePlot, draw_line_plots
 
 if TYPE_CHECKING:
     import viser
@@ -16,13 +18,10 @@ if TYPE_CHECKING:
 _SAMPLES = 600
 """Number of frames in the plots: twenty seconds at 30 frames per second."""
 
-_HEIGHT = 120  # pixels
-_BETWEEN_TICKS = 14  # pixels at least, so that the scales have two numbers or more
-_TICKS = {"stroke": "#e3e7ec", "width": 1, "size": 4}
 _DEPTH_UNITS = (("mm", 1e3), ("µm", 1e6), ("nm", 1e9))
 _ENERGY_UNITS = (("J", 1.0), ("mJ", 1e3), ("µJ", 1e6), ("nJ", 1e9))
 _LEAST_NUMBER = 0.1
-"""The page writes three decimals. If the largest value is smaller than this, a smaller unit is used."""
+"""If the largest value is smaller than this, a smaller unit is used."""
 _ENERGY_COLORS = ("#1f6fb4", "#2a9d6f", "#1e2733")
 
 
@@ -39,9 +38,12 @@ class LivePlots:
         self._ground: float | None = None
         self._is_broken = False
         names = ("kinetic", "potential", "sum")
-        self._energy = _add_plot(gui, "energy, J", dict(zip(names, _ENERGY_COLORS, strict=True)))
-        self._count = _add_plot(gui, "contacts", {"contacts": "#b4324a"})
-        self._depth = _add_plot(gui, "deepest contact, mm", {"depth": "#d97706"})
+        self._energy = LinePlot("energy, J", dict(zip(names, _ENERGY_COLORS, strict=True)))
+        self._count = LinePlot("contacts", {"contacts": "#b4324a"}, whole=True)
+        self._depth = LinePlot("deepest contact, mm", {"depth": "#d97706"})
+        # viser's own plots keep the range of an old time axis when their title changes.
+        self._page = gui.add_html("")
+        self.show()
 
     def add(self, frame: LiveFrame) -> None:
         """Add a frame. If the time of the world went back, restart the plots."""
@@ -67,19 +69,21 @@ class LivePlots:
     def show(self) -> None:
         """Draw all frames added so far."""
         columns = np.array(self._rows).T
-        if columns.shape[-1] < 2:
-            return
-        energy_unit, energies = _express(columns[1:4], _ENERGY_UNITS)
-        depth_unit, depths = _express(columns[5], _DEPTH_UNITS)
-        _show(self._energy, f"energy, {energy_unit}", (columns[0], *energies))
-        _show(self._count, "contacts", (columns[0], columns[4]))
-        _show(self._depth, f"deepest contact, {depth_unit}", (columns[0], depths))
+        if columns.shape[-1] >= 2:
+            energy_unit, energies = _express(columns[1:4], _ENERGY_UNITS)
+            depth_unit, depths = _express(columns[5], _DEPTH_UNITS)
+            self._energy.title = f"energy, {energy_unit}"
+            self._depth.title = f"deepest contact, {depth_unit}"
+            self._energy.data = (columns[0], *energies)
+            self._count.data = (columns[0], columns[4])
+            self._depth.data = (columns[0], depths)
+        self._page.content = draw_line_plots((self._energy, self._count, self._depth))
 
 
 def _express(
     values: NDArray[np.float64], units: tuple[tuple[str, float], ...]
 ) -> tuple[str, NDArray[np.float64]]:
-    """Return the largest unit in which three decimals suffice, and the values in it.
+    """Return the largest unit in which the values are not tiny, and the values in it.
 
     Args:
         values: Values in an SI unit.
@@ -89,26 +93,3 @@ def _express(
     fitting = (unit for unit in units if largest * unit[1] >= _LEAST_NUMBER or largest == 0.0)
     name, factor = next(fitting, units[-1])
     return name, factor * values
-
-
-def _show(plot: Any, title: str, columns: tuple[NDArray[np.float64], ...]) -> None:
-    if plot.title != title:
-        plot.title = title
-    plot.data = columns
-
-
-def _add_plot(gui: viser.GuiApi, title: str, colors: dict[str, str]) -> Any:
-    nothing = np.array([0.0, 1.0])
-    series = tuple({"label": name, "stroke": color, "width": 1.5} for name, color in colors.items())
-    return gui.add_uplot(
-        data=(nothing, *(np.zeros(2) for _ in colors)),
-        series=({"label": "time, s"}, *series),  # pyright: ignore[reportArgumentType]
-        scales={"x": {"time": False}},
-        title=title,
-        axes=(  # pyright: ignore[reportArgumentType]
-            {"ticks": _TICKS},
-            {"ticks": _TICKS, "space": _BETWEEN_TICKS},
-        ),
-        legend={"show": len(colors) > 1, "live": False},
-        height=_HEIGHT,
-    )
