@@ -57,13 +57,14 @@ def is_welcome(request: Request, port: int, token: str) -> bool:
 
 
 @contextmanager
-def guarding(token: str) -> Iterator[Callable[[], bool]]:
+def guarding(token: str, head: str = "") -> Iterator[Callable[[], bool]]:
     """Make the server that viser starts in the block refuse all other requests.
 
     viser has no setting for this, and starts the server in a separate thread.
 
     Args:
         token: The secret with which paths must begin.
+        head: HTML to add to the head of the page.
 
     Yields:
         A function that returns whether a protected server has started.
@@ -80,22 +81,33 @@ def guarding(token: str) -> Iterator[Callable[[], bool]]:
         started.set()
         # Errors from other clients' broken requests would only clutter the terminal.
         kwargs.setdefault("logger", _SILENT)
-        return serve(*args, process_request=_guard(process_request, token), **kwargs)
+        return serve(*args, process_request=_guard(process_request, token, head), **kwargs)
 
     with _patching, patch.object(websockets, "serve", serve_guarded):
         yield started.is_set
 
 
-def _guard(process: Process, token: str) -> Process:
+def _guard(process: Process, token: str, head: str) -> Process:
     def answer(connection: ServerConnection, request: Request) -> Response | None:
         if not is_welcome(request, connection.local_address[1], token):
             return connection.respond(
                 http.HTTPStatus.FORBIDDEN, "Open the whole address, with the secret in it.\n"
             )
         request.path = request.path[1 + len(token) :] or "/"
+        if head and "Accept-Encoding" in request.headers:
+            del request.headers["Accept-Encoding"]  # so that the page comes as text
         response = process(connection, request)
         if response is not None:
             response.headers["Referrer-Policy"] = "no-referrer"  # the referrer contains the secret
+            if head and response.headers.get("Content-Type", "").startswith("text/html"):
+                _add_to_head(response, head)
         return response
 
     return answer
+
+
+def _add_to_head(response: Response, head: str) -> None:
+    assert response.body is not None
+    response.body = response.body.replace(b"<head>", b"<head>" + head.encode(), 1)
+    del response.headers["Content-Length"]
+    response.headers["Content-Length"] = str(len(response.body))

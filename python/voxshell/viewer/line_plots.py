@@ -90,7 +90,7 @@ def _draw(plot: LinePlot, *, has_time: bool) -> str:
             parts.append(
                 f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="1.2"/>'
             )
-    height = _ABOVE + _HEIGHT + (_BELOW if has_time else 2.0)
+    height = _ABOVE + _HEIGHT + (_BELOW if has_time else 5.0)
     return (
         f'<div>{escape(plot.title)}{key}</div><svg viewBox="0 {-_ABOVE:g} {_WIDTH:g} {height:g}" '
         f'style="display: block; width: 100%" font-size="10" fill="{_INK}">{"".join(parts)}</svg>'

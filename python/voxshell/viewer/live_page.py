@@ -16,6 +16,7 @@ from voxshell.viewer.lanes import view_axes
 from voxshell.viewer.lighting import add_lights
 from voxshell.viewer.live_plots import LivePlots
 from voxshell.viewer.live_scene import LiveScene
+from voxshell.viewer.page import read_part
 from voxshell.viewer.palette import FORCE_COLOR, PULL_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.server import make_address, silent_server
@@ -74,7 +75,8 @@ class LivePage:
         self._view, self._up = view, find_up(view.gravity)
         self._token = make_token()
         self._stack = ExitStack()
-        self._server = self._stack.enter_context(silent_server(port, token=self._token))
+        head = read_part("live_page.html").replace("{{stay_above}}", read_part("stay_above.js"))
+        self._server = self._stack.enter_context(silent_server(port, token=self._token, head=head))
         self._scene = LiveScene(self._server.scene, colors, self._drag)
         self._camera: Camera | None = None
         self._last_text = -1.0
@@ -126,6 +128,7 @@ class LivePage:
             )
             for control in self._controls:
                 control.visible = False
+            self._legend.content += '<span id="voxshell-ended"></span>'  # the page stops to connect
         self._server.flush()
         if self._server.get_clients():
             time.sleep(_LAST_WORDS)  # viser sends in a thread of its own, and drops what is left

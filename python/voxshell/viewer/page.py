@@ -78,7 +78,7 @@ def add_heading(
     if grid is not None:
         legend.append(f'<span class="faint">grid: {escape(metric(grid))}</span>')
     colors = ", ".join("#{:02x}{:02x}{:02x}".format(*color) for color in DEPTH_COLORS)
-    heading = files("voxshell.viewer").joinpath("page.html").read_text(encoding="utf-8")
+    heading = read_part("page.html")
     values = {
         "title": escape(title),
         "caption": f"<p>{escape(caption)}</p>" if caption else "",
@@ -92,6 +92,7 @@ def add_heading(
         "room": f"{ROOM_LIGHT:g}",
         "aspect": f"{VIEW_ASPECT:g}",
         "seconds": f"{seconds:.6g}",
+        "stay_above": read_part("stay_above.js"),
         "ground": "null" if ground is None else f"{ground:.6g}",
     }
     heading = re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], heading)
@@ -108,6 +109,11 @@ def add_heading(
     if count == 0:
         top = f"<title>{escape(title)}</title>{top}"
     return "".join([page[:head], policy, top, heading, page[body:]])
+
+
+def read_part(name: str) -> str:
+    """Return a file of this folder, which pages contain."""
+    return files("voxshell.viewer").joinpath(name).read_text(encoding="utf-8")
 
 
 def write_whole(path: Path, text: str) -> Path:

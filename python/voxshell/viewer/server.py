@@ -35,7 +35,9 @@ def import_viser() -> ModuleType:
 
 
 @contextmanager
-def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.ViserServer]:
+def silent_server(
+    port: int = 0, *, token: str | None = None, head: str = ""
+) -> Iterator[viser.ViserServer]:
     """Yield a viser server that prints nothing; viser can make scenes only on a server.
 
     It listens on the loopback interface until the scene is done, and answers only requests to
@@ -44,6 +46,7 @@ def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.
     Args:
         port: Its port, or the next free one. 0: the system chooses one.
         token: The secret in its address; a random one by default.
+        head: HTML to add to the head of its page; the default adds nothing.
 
     Raises:
         MissingExtraError: viser is not installed, or this version cannot be protected.
@@ -51,7 +54,8 @@ def silent_server(port: int = 0, *, token: str | None = None) -> Iterator[viser.
     """
     port = as_integer(port, "port", 0, 65535)  # viser would wait forever for another one
     viser = import_viser()
-    with _silence(), guarding(make_token() if token is None else token) as is_guarded:
+    secret = make_token() if token is None else token
+    with _silence(), guarding(secret, head) as is_guarded:
         server = viser.ViserServer(host="127.0.0.1", port=port, verbose=False)
     try:
         if not is_guarded():

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
 import http.client
 import socket
+import urllib.request
 from collections.abc import Iterator
 from contextlib import closing
 
@@ -122,3 +124,18 @@ def test_a_server_that_cannot_be_guarded_is_stopped(monkeypatch):
 
 def test_the_address_has_the_port_and_the_secret(server):
     assert make_address(server, TOKEN) == f"http://127.0.0.1:{server.get_port()}/{TOKEN}/"
+
+
+def test_a_head_is_added_to_the_page_alone():
+    plain, added = [], []
+    for pages, head in ((plain, ""), (added, "<style>p {}</style>")):
+        with silent_server(token=TOKEN, head=head) as server:
+            address = make_address(server, TOKEN)
+            request = urllib.request.Request(address, headers={"Accept-Encoding": "gzip"})
+            with urllib.request.urlopen(request, timeout=10) as response:
+                pages.append(response.headers["Content-Encoding"])
+                pages.append(response.read())
+    assert plain[0] == "gzip"
+    assert added[0] == "identity"
+    page = gzip.decompress(plain[1]).decode()
+    assert added[1].decode() == page.replace("<head>", "<head><style>p {}</style>", 1)

@@ -137,6 +137,33 @@ def test_a_page_says_that_its_view_has_ended(watched: Watched):
     assert watched.page.get_by_text("running at").count() == 0
 
 
+def test_a_page_whose_view_has_ended_does_not_try_to_connect_again(watched: Watched):
+    told: list[str] = []
+    watched.page.on("console", lambda message: told.append(message.text))
+    watched.page.get_by_text("running at").wait_for()
+    watched.view.close()
+    watched.page.get_by_text("ended at").wait_for()
+    watched.wait(lambda: any("Disconnected" in each for each in told), "the page stays connected")
+    watched.page.wait_for_timeout(3000)  # it would try every second
+    assert not [each for each in told if "Connecting" in each]
+
+
+def test_the_camera_of_a_view_stays_above_the_ground(watched: Watched):
+    page, mouse = watched.page, watched.page.mouse
+    read = "window.__viserMutable.cameraControl.camera.position.y"  # the ground is at 0
+    watched.wait(lambda: watched.find_box() != (0.0, 0.0), "the box is not seen")
+    height = page.evaluate(read)
+    mouse.move(30, 500)
+    mouse.down()
+    for step in range(1, 6):
+        mouse.move(30, 500 - 80 * step)
+    mouse.up()
+    watched.wait(lambda: page.evaluate(read) < 0.3 * height, "the drag turns nothing")
+    for _ in range(10):
+        page.wait_for_timeout(100)
+        assert page.evaluate(read) > 0.0
+
+
 @pytest.mark.parametrize("ending", ["", "raise SystemExit(3)", "1 / 0"])
 def test_a_page_says_that_its_program_has_ended(browser: Browser, ending: str):
     code = f"""
