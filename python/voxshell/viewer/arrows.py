@@ -79,6 +79,21 @@ def make_arrow() -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
 
 
+def mesh_arrows(
+    arrows: NDArray[np.float64], *, body_size: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """One surface of all arrows, vertices (n, 3) and faces (m, 3); see :func:`place_arrows`."""
+    vertices, faces = make_arrow()
+    positions, turns, scales = place_arrows(arrows, body_size=body_size)
+    scaled = vertices * scales[:, None]
+    w, axis = turns[:, :1, None], turns[:, None, 1:]
+    # A rotation by a quaternion, without its matrix.
+    twice = 2.0 * np.cross(axis, scaled)
+    placed = scaled + w * twice + np.cross(axis, twice) + positions[:, None]
+    shifts = len(vertices) * np.arange(len(arrows))[:, None, None]
+    return placed.reshape(-1, 3), (faces + shifts).reshape(-1, 3)
+
+
 def place_arrows(
     arrows: NDArray[np.float64], *, body_size: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

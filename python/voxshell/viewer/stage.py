@@ -163,7 +163,11 @@ def find_ground_height(recordings: Sequence[Recording], stage: Stage, *, up: str
 
 
 def find_paths(recording: Recording) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Return boxes, low (3,) and high (3,) in meters, that hold all that moves at some instants."""
+    """Return boxes, low (3,) and high (3,) in meters, that hold all that moves at some instants.
+
+    They also hold fixed bodies of about the same size; see
+    :func:`~voxshell.viewer.lanes.activity_bounds`.
+    """
     frames = np.unique(np.linspace(0, recording.frame_count - 1, _LOOKS).round().astype(np.int64))
     boxes = []
     for body in moving_bodies(recording):
@@ -172,6 +176,17 @@ def find_paths(recording: Recording) -> list[tuple[NDArray[np.float64], NDArray[
         for frame in frames:
             places = corners @ body.poses[frame, :3, :3].T + body.poses[frame, :3, 3]
             boxes.append((places.min(axis=0), places.max(axis=0)))
+    all_low, all_high = activity_bounds(recording)
+    tolerance = 1e-9 * float(np.linalg.norm(all_high - all_low))
+    for body in recording.bodies:
+        places = body.vertices @ body.poses[0, :3, :3].T + body.poses[0, :3, 3]
+        low, high = places.min(axis=0), places.max(axis=0)
+        if (
+            body.fixed
+            and (low >= all_low - tolerance).all()
+            and (high <= all_high + tolerance).all()
+        ):
+            boxes.append((low, high))
     return boxes
 
 

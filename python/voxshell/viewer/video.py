@@ -15,12 +15,13 @@ from voxshell.base.extras import explain_import
 from voxshell.base.lengths import metric
 from voxshell.base.outputs import replacing
 from voxshell.errors import FileAccessError, MissingExtraError, SettingsError
+from voxshell.viewer.arrows import mesh_arrows
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.marks import MarkedContacts
 from voxshell.viewer.palette import FLOOR_COLOR, FORCE_COLOR, choose_colors
 from voxshell.viewer.pins import color_depths
 from voxshell.viewer.shading import split_creases
-from voxshell.viewer.stage import find_paths, find_slabs, place_camera, plan_stage
+from voxshell.viewer.stage import VIEW_ASPECT, find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.terminal_progress import on_terminal
 from voxshell.viewer.timeline import plan_timeline
 from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate
@@ -40,6 +41,7 @@ _SLAB_COLOR, _GRID_COLOR = (214, 218, 224), (170, 177, 187)
 _INK = "#1e2733"
 _DEFAULT_RATES = {".mp4": 30.0, ".gif": 25.0}
 _MOST_CONTACTS = 400
+_LINE_SPACING = 1.3
 _FINER = 1.5
 """Pixels drawn for one of the video, along a side. VTK's own smoothing of edges costs twice as much here."""
 
@@ -213,7 +215,9 @@ class _Film:
         plotter.set_background(BACKGROUND)
         add_light(pyvista, plotter, up=up)
         slabs = find_slabs(recording, stage, up=up)
-        level = view_axes(up)[2] == 0.0
+        upward = view_axes(up)[2]
+        level = upward == 0.0
+        grounds: list[tuple[NDArray[np.float64], tuple[int, int, int]]] = []
         for body, color in zip(recording.bodies, choose_colors(recording), strict=True):
             slab = slabs.get(body.name)
             if slab is None:
@@ -223,13 +227,16 @@ class _Film:
                 slab.high[level] >= stage.high[level]
             ).all():
                 top = slab.high if up[0] == "+" else slab.low
-                self._add_ground(top, body.color or FLOOR_COLOR)
+                grounds.append((top, body.color or FLOOR_COLOR))
             else:
                 self._add_slab(slab, body.color or _SLAB_COLOR)
         if not slabs:  # for shadows and for scale
             low, high = activity_bounds(recording)
-            self._add_ground(low if up[0] == "+" else high, FLOOR_COLOR)
-        camera = place_camera(find_paths(recording), rows=1, up=up)
+            grounds.append((low if up[0] == "+" else high, FLOOR_COLOR))
+        if grounds:  # the highest hides the others
+            self._add_ground(*max(grounds, key=lambda ground: float(upward @ ground[0])))
+        aspect = min(size[0] / size[1], VIEW_ASPECT)
+        camera = place_camera(find_paths(recording), rows=1, up=up, aspect=aspect)
         plotter.camera_position = [
             tuple(camera.position),
             tuple(camera.target),
@@ -293,18 +300,17 @@ class _Film:
         )
 
     def _add_ground(self, place: NDArray[np.float64], color: tuple[int, int, int]) -> None:
-        """Add the ground at the height of a place; of several, the first."""
-        if self._ground is None:
-            self._ground = Ground(
-                self._pyvista,
-                self._plotter,
-                up=self._up,
-                place=place,
-                low=self._stage.low,
-                high=self._stage.high,
-                cell=self._stage.cell,
-                color=color,
-            )
+        """Add the ground at the height of a place."""
+        self._ground = Ground(
+            self._pyvista,
+            self._plotter,
+            up=self._up,
+            place=place,
+            low=self._stage.low,
+            high=self._stage.high,
+            cell=self._stage.cell,
+            color=color,
+        )
 
     def _add_slab(self, slab: Slab, color: tuple[int, int, int]) -> None:
         """Add a plate, and lines on it that cross at multiples of the stage's cell."""
@@ -337,14 +343,8 @@ class _Film:
         self._marks = []
         marks = self._marked.frame(frame)
         if len(marks.arrows):
-            along = marks.arrows[:, 1] - marks.arrows[:, 0]
-            starts = self._pyvista.PolyData(marks.arrows[:, 0])
-            starts["along"], starts["length"] = along, np.linalg.norm(along, axis=1)
-            arrow = self._pyvista.Arrow(
-                tip_length=0.2, tip_radius=0.06, tip_resolution=16, shaft_radius=0.022
-            )
-            arrows = starts.glyph(geom=arrow, orient="along", scale="length")
-            mapper = self._pyvista.DataSetMapper(arrows)
+            surface = mesh_arrows(marks.arrows, body_size=self._marked.body_size)
+            mapper = self._pyvista.DataSetMapper(self._pyvista.make_tri_mesh(*surface))
             mapper.ScalarVisibilityOff()
             self._add_marks(mapper).prop.color = FORCE_COLOR
         if len(marks.points):
@@ -378,10 +378,23 @@ class _Film:
         return overlay
 
     def _write(self, text: str, place: str) -> None:
-        spaced = "\n".join(f" {line} " for line in text.splitlines())  # off the edges
-        self._plotter.add_text(
-            spaced, position=place, font_size=self._font_size, color=_INK, name=place, render=False
+        width, height = (_FINER * side for side in self._size)
+        beside, above = self._font_size / width, self._font_size / height
+        is_right = place == "upper_right"
+        actor = self._plotter.add_text(
+            text,
+            position=(1.0 - beside if is_right else beside, 1.0 - above),
+            viewport=True,
+            font_size=self._font_size,
+            color=_INK,
+            name=place,
+            render=False,
         )
+        style = actor.GetTextProperty()
+        style.SetVerticalJustificationToTop()
+        style.SetLineSpacing(_LINE_SPACING)
+        if is_right:
+            style.SetJustificationToRight()
 
     def _paint_scale(self, picture: NDArray[np.uint8]) -> None:
         """Draw a bar in the colors of depths below the text at the top right."""
@@ -389,6 +402,6 @@ class _Film:
         long, thick = width // 6, max(2, height // 60)
         lines = 2 if self._marked.strongest > 0.0 else 1
         letter = self._font_size / _FINER
-        top, right = round((1 + 2 * lines) * letter), width - round(letter)
+        top, right = round((1.5 + 2.5 * lines) * letter), width - round(letter)
         bar = color_depths(np.linspace(0.0, 1.0, long)).round().astype(np.uint8)
         picture[top : top + thick, right - long : right] = bar

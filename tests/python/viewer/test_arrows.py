@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from trimesh.transformations import quaternion_matrix
 from voxshell.recording import BodyTrack, ContactTrack, Recording
-from voxshell.viewer.arrows import find_arrows, full_force, make_arrow, place_arrows
+from voxshell.viewer.arrows import find_arrows, full_force, make_arrow, mesh_arrows, place_arrows
 
 
 def pressed(*newtons: float) -> Recording:
@@ -56,3 +56,15 @@ def test_short_arrows_are_small_with_their_heads_and_reach_from_start_to_tip():
         across = np.linalg.norm(placed - arrow[0] - along[:, None] * way / length, axis=1)
         assert across.max() < 0.2 * length
     assert scales[0, 0] > scales[2, 0] > scales[1, 0]
+
+
+def test_one_surface_holds_all_arrows():
+    arrows = np.array([[[0.0, 0.0, 0.0], [0.3, 0.4, 0.0]], [[1.0, 0.0, 0.0], [1.0, 0.0, -1.0]]])
+    vertices, faces = mesh_arrows(arrows, body_size=1.0)
+    count = len(make_arrow()[0])
+    assert vertices.shape == (2 * count, 3)
+    assert faces.max() == 2 * count - 1
+    for number, (start, tip) in enumerate(arrows):
+        part = vertices[number * count : (number + 1) * count]
+        assert np.linalg.norm(part - start, axis=1).min() < 1e-9
+        assert np.linalg.norm(part - tip, axis=1).min() < 1e-9

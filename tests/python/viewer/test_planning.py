@@ -14,7 +14,7 @@ from voxshell.viewer.page import add_heading
 from voxshell.viewer.pins import DEPTH_COLORS, build_pin_mesh, build_pins, full_depth
 from voxshell.viewer.quaternions import normals_as_wxyz, rotations_as_wxyz
 from voxshell.viewer.shading import is_faceted
-from voxshell.viewer.stage import VIEW_ASPECT, find_slabs, place_camera, plan_stage
+from voxshell.viewer.stage import VIEW_ASPECT, find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.timeline import plan_timeline
 
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.1)
@@ -317,3 +317,14 @@ class TestPage:
     def test_an_unknown_player_is_refused(self):
         with pytest.raises(RecordingError, match="no <head>"):
             add_heading("<p>", title="t", caption="", rate="r", deepest=None, grid=None)
+
+
+def test_a_camera_that_follows_paths_sees_fixed_bodies_of_about_their_size_but_no_wide_ground():
+    recording = fall()
+    small = trimesh.creation.box((0.3, 0.3, 0.1))
+    plate = track("plate", small, np.tile([0.0, 0.0, 0.0], (41, 1)))
+    with_plate = Recording(0.005, (*recording.bodies, plate), recording.contacts)
+    lows = [low for low, _ in find_paths(recording)]
+    assert np.min(lows, axis=0) == pytest.approx((-0.1, -0.1, 0.0))
+    lows = [low for low, _ in find_paths(with_plate)]
+    assert np.min(lows, axis=0) == pytest.approx((-0.15, -0.15, -0.05))
