@@ -19,6 +19,7 @@ from voxshell.viewer.handle import Handle
 from voxshell.viewer.layers import (
     Axis,
     color_segments,
+    describe_slice,
     find_box,
     find_level_surface,
     paint_slice,
@@ -120,8 +121,9 @@ class Inspector:
 
     def _describe(self) -> str:
         model = self._model
+        sides = " x ".join(metric(side) for side in np.ptp(model.bounds, axis=0).tolist())
         return (
-            f"**{html.escape(self._name)}**  \n{len(model.mesh.faces):,} triangles, "
+            f"**{html.escape(self._name)}**, {sides}  \n{len(model.mesh.faces):,} triangles, "
             f"{len(model.shell):,} points, voxels of {metric(model.field.voxel_size)}"
         )
 
@@ -145,6 +147,7 @@ class Inspector:
             shown = gui.add_checkbox("slice", "slice" in self._show)
             axis = gui.add_dropdown("across", ("x", "y", "z"), initial_value="y")
             place = gui.add_slider("at", 0.0, 1.0, 0.01, 0.5)
+            gui.add_html(describe_slice(self._model))
             level_shown = gui.add_checkbox("level surface", "level" in self._show)
             thickness = 1e3 * float(np.ptp(self._model.bounds, axis=0).max())
             level = gui.add_slider(
@@ -200,6 +203,10 @@ class Inspector:
             normals = gui.add_checkbox("normals", "normals" in self._show)
             spheres = gui.add_checkbox("spheres", "spheres" in self._show)
             level = gui.add_slider("tree level", 1, tree.levels, 1, min(3, tree.levels))
+            gui.add_html(
+                '<div style="padding: 0 1em 0.6em; font-size: 0.85em">A color is a segment: the points of one '
+                "sphere of that level. It has no other meaning.</div>"
+            )
 
         def show(_: Any = None) -> None:
             with self._lock, self._server.atomic():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from voxshell.base.extras import explain_import
+from voxshell.base.lengths import metric
 from voxshell.model.meshes import Mesh
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def paint_slice(model: Model, axis: Axis, fraction: float) -> NDArray[np.uint8]:
     points[..., first] = np.linspace(low[first], high[first], width)
     points[..., second] = np.linspace(low[second], high[second], height)[:, None]
     distances = model.field.sample(points.reshape(-1, 3)).reshape(height, width)
-    reach = 0.5 * float((high - low).max())
+    reach = _find_reach(model)
     bands = np.clip(np.ceil(np.abs(distances) / reach * _BANDS) / _BANDS, 0.0, 1.0)[..., None]
     inside, outside = (
         pale + bands * (strong - pale) for pale, strong in (tuple(_INSIDE), tuple(_OUTSIDE))
@@ -66,6 +67,28 @@ def paint_slice(model: Model, axis: Axis, fraction: float) -> NDArray[np.uint8]:
     colors = np.where(distances[..., None] < 0.0, inside, outside)
     colors[np.abs(distances) < 0.6 * sides.max() / _PIXELS] = _SURFACE
     return colors.round().astype(np.uint8)
+
+
+def describe_slice(model: Model) -> str:
+    """Return the legend of :func:`paint_slice`, HTML: the colors, their distances, and the width of a band."""
+    reach = _find_reach(model)
+    colors = [*_INSIDE[::-1], *_OUTSIDE]
+    deep, shallow, near, far = (
+        f"rgb({red:.0f}, {green:.0f}, {blue:.0f})" for red, green, blue in colors
+    )
+    bar = "display: inline-block; width: 5em; height: 0.7em; background: linear-gradient(90deg, "
+    return (
+        f'<div style="padding: 0 1em 0.6em; font-size: 0.85em; line-height: 1.6">{metric(reach)} inside '
+        f'<span style="{bar}{deep}, {shallow}); border-right: 2px solid black"></span>'
+        f'<span style="{bar}{near}, {far})"></span> {metric(reach)} outside<br>'
+        f"black: the surface; a band: {metric(reach / _BANDS)}</div>"
+    )
+
+
+def _find_reach(model: Model) -> float:
+    """Return the distance of the strongest colors of a slice, meters."""
+    low, high = find_box(model)
+    return 0.5 * float((high - low).max())
 
 
 def find_level_surface(model: Model, distance: float) -> Mesh:

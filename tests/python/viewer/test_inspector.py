@@ -16,7 +16,7 @@ from PIL import Image
 from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
-from voxshell.viewer.layers import find_box, find_level_surface, paint_slice
+from voxshell.viewer.layers import describe_slice, find_box, find_level_surface, paint_slice
 from voxshell.viewer.server import make_address, silent_server
 
 HALF = (0.03, 0.02, 0.01)
@@ -243,3 +243,12 @@ def test_the_exported_page_shows_the_scene_offline(
     assert player.page.title() == "a <brick>"
     assert player.complaints == []
     assert player.fetched == [path.as_uri()]
+
+
+def test_the_legend_of_a_slice_has_its_distances_and_the_width_of_a_band():
+    # The box around a ball of radius 0.1 is enlarged by a fifth of its side on all sides.
+    ball = vx.Model.from_mesh(trimesh.creation.icosphere(2, radius=0.1), voxel_size=0.02)
+    legend = describe_slice(ball)
+    assert "14 cm inside" in legend
+    assert "14 cm outside" in legend
+    assert "a band: 1.17 cm" in legend
