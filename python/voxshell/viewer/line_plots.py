@@ -68,7 +68,7 @@ def choose_ticks(low: float, high: float, *, whole: bool = False) -> NDArray[np.
     if whole:
         step = max(step, 1.0)
     first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
-    return np.arange(first, last + 1) * step
+    return np.arange(first, last + 1, dtype=np.float64) * step
 
 
 def _draw(plot: LinePlot, *, has_time: bool) -> str:
@@ -110,7 +110,8 @@ def _draw_time(times: NDArray[np.float64]) -> list[str]:
     """Return the ticks of time, which do not reach beyond the first and last time."""
     start, end = float(times[0]), float(times[-1])
     step = nice_length((end - start) / 4.0)
-    ticks = np.arange(math.ceil(start / step - 1e-9), math.floor(end / step + 1e-9) + 1) * step
+    first, last = math.ceil(start / step - 1e-9), math.floor(end / step + 1e-9)
+    ticks = np.arange(first, last + 1, dtype=np.float64) * step
     parts = []
     for tick, label in zip(ticks, _write(ticks), strict=True):
         x = _LEFT + (_WIDTH - _LEFT - _RIGHT) * (float(tick) - start) / (end - start)

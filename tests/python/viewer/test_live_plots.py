@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -101,3 +102,16 @@ def test_small_depths_and_energies_have_small_units(plots: LivePlots):
     plots.show()
     assert (plots._energy.title, plots._depth.title) == ("energy, J", "deepest contact, mm")
     assert columns_of(plots._depth)[1] == pytest.approx([0.0, 4e-4, 4.0])
+
+
+def test_a_change_of_unit_leaves_no_plot_behind_the_others(plots: LivePlots):
+    for time, joules in ((0.0, 1.0), (0.3, 1e-5), (30.0, 1.0)):
+        plots.add(at(time, kinetic=joules, depths=(joules * 1e-3,)))
+        plots.show()
+    page = plots._page.content
+    lines = [each.split() for each in re.findall(r'points="([^"]*)"', page)]
+    assert len(lines) == 5
+    assert {len(line) for line in lines} == {3}
+    assert len({line[0].split(",")[0] for line in lines}) == 1
+    assert len({line[-1].split(",")[0] for line in lines}) == 1
+    assert "30 s" in page
