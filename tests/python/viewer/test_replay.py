@@ -168,6 +168,20 @@ def test_the_clock_and_the_bar_end_with_the_recording(play: Callable[[Path], Pla
     player.page.locator(".mantine-Slider-root").wait_for(state="hidden")
 
 
+def test_a_typed_time_is_kept_to_the_hundredth(play: Callable[[Path], Player], replay: Path):
+    player = play(replay)
+    player.wait(lambda p: blue(p) > 200, "no ball is seen")
+    player.pause()
+    clock = player.page.locator("input.mantine-NumberInput-input").first
+    slider = player.page.locator("[role=slider]")
+    clock.fill("0.42")
+    expect(slider).to_have_attribute("aria-valuenow", "0.42", timeout=PATIENCE * 1000.0)
+    clock.blur()
+    expect(clock).to_have_value("0.42", timeout=PATIENCE * 1000.0)
+    player.page.wait_for_timeout(500)
+    assert slider.get_attribute("aria-valuenow") == "0.42"
+
+
 def test_the_camera_stays_above_the_ground(play: Callable[[Path], Player], tmp_path: Path):
     player = play(fall_and_roll(1).save_html(tmp_path / "replay.html"))
     player.wait(lambda p: blue(p) > 200, "no ball is seen")
