@@ -53,7 +53,7 @@ class Island {
     braced.soften(pools(), info);
     const btSolverConstraint& row = contacts_[contact];
     // Of an impulse, m/s per N s.
-    return static_cast<double>(row.m_cfm / row.m_jacDiagABInv) / btContactSolverInfo().m_erp2;
+    return static_cast<double>(row.m_cfm / row.m_jacDiagABInv / info.m_erp2);
   }
   double pressed() {
     BracedContacts braced;
