@@ -24,6 +24,8 @@ class Using:
     """
 
     __slots__ = ("thread", "world")
+    thread: int
+    world: WorldContents
 
     def __init__(self, world: WorldContents) -> None:
         self.world = world
