@@ -14,7 +14,6 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
-#include "edge_crossings.h"
 #include "facing_normals.h"
 #include "of_this_thread.h"
 #include "voxshell/manifold.h"
@@ -287,10 +286,6 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
   }
   of.flat.align(contacts, posed.field(), posed.shell(), posed.model().grid(), field_from_shell,
                 question.touch);
-  if (question.slides) {
-    cross_edges(contacts, posed.own, posed.other, field_from_shell,
-                posed.other.has_sharp_field() ? question.touch.margin : 0.0);
-  }
   if (step != nullptr && question.settings.mode != ContactMode::kSegmented) {
     for (std::vector<Contact>* each : {&contacts, &of.guards}) {
       drop_from_behind(*each, posed.shell(),

@@ -8,7 +8,6 @@
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
-#include "edge_piece.h"
 #include "flatness.h"
 #include "impact.h"
 #include "round_touch.h"
@@ -56,12 +55,53 @@ struct SurfacePoint {
   }
 };
 
+/// A piece of an edge that is followed, in its own body's frame. What touches an edge of the other
+/// body is the place where the two cross, which moves along both. A place of the edge that was
+/// followed instead would pass the other edge, and touch a face beside it.
+struct EdgePiece {
+  const GridField* own;
+  Vec3 place;
+  Vec3 along;           ///< unit length
+  Vec3 along_in_field;  ///< the same in the field's frame
+  double tolerance;     ///< of its own surface, meters
+};
+
 /// The place of a curved surface that faces a face of the other body, as long as it does.
 struct FacingPlace {};
 
 /// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that
 /// knows nothing of its surface.
 using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
+
+/// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
+/// ends before. `way` is what that place has moved by, meters.
+template <class F>
+double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double way) {
+  const auto slope_at = [&](double along) {
+    const auto place = static_cast<Vec3f>(at + along * edge.along_in_field);
+    return dot(static_cast<Vec3>(field.gradient(place)), edge.along_in_field);
+  };
+  if (!(way > 0.0)) return 0.0;
+  const double slope = slope_at(0.0);
+  if (std::abs(slope) <= kNearestWithinSine) return 0.0;
+  // Over a face the slope is the same all the way to its edge.
+  const double side = slope > 0.0 ? -1.0 : 1.0;
+  double before = 0.0;
+  double beyond = kFirstSlideOfWay * way;
+  while (side * slope_at(side * beyond) < 0.0) {
+    before = beyond;
+    beyond *= 2.0;
+    if (!(beyond <= kMostSlideOfWay * way)) return 0.0;
+  }
+  for (int i = 0; i < kSlideHalvings; ++i) {
+    const double middle = 0.5 * (before + beyond);
+    (side * slope_at(side * middle) < 0.0 ? before : beyond) = middle;
+  }
+  const double along = side * beyond;
+  const auto place = static_cast<Vec3f>(edge.place + along * edge.along);
+  const auto off_surface = std::abs(static_cast<double>(edge.own->distance(place)));
+  return off_surface <= edge.tolerance ? along : 0.0;
+}
 
 /// @param path             Of what is followed, in the frame of the shell.
 /// @param field_from_path  Its pose in the field, at the start of the step.
@@ -77,22 +117,20 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
                                 double offset, const Element& element) {
   const auto* point = std::get_if<SurfacePoint>(&element);
   const auto* edge = std::get_if<EdgePiece>(&element);
-  Crossing crossing;
+  double along = 0.0;
   const auto place_at = [&](double fraction) {
     const Vec3 place = field_from_path.transform_point(path.at(fraction));
     if (edge == nullptr) return static_cast<Vec3f>(place);
-    crossing = find_crossing(*edge, field, place, fraction * path.length());
-    return static_cast<Vec3f>(place + crossing.along * edge->along_in_field);
+    along = slide_along(*edge, field, place, fraction * path.length());
+    return static_cast<Vec3f>(place + along * edge->along_in_field);
   };
   const auto reached = advance(path.length(), step.touching_gap(), steps, [&](double fraction) {
     return clearance_of(field, place_at(fraction), offset);
   });
   if (!reached) return std::nullopt;
   Touch touch{
-      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, 0.0, reached->fraction};
-  touch.along = crossing.along;
-  touch.outwards = normalized(
-      crossing.along != 0.0 ? crossing.outwards : static_cast<Vec3>(field.gradient(touch.place)));
+      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
+  touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
   if (std::holds_alternative<FacingPlace>(element)) {
     const Vec3 on_field = static_cast<Vec3>(touch.place) - (reached->gap + offset) * touch.outwards;
     const double distance = kFlatScales[0] * step.ball.radius;
@@ -125,9 +163,9 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
   return touch;
 }
 
-/// Where nothing rebounds, edges that lie flat are places, too: beside flush faces, a crossing has
-/// a normal that leans, and would brake what slides. Points of curved surfaces are no faces,
-/// however small the facets' bend.
+/// Where nothing rebounds, edges are places, too: beside flush faces, a crossing has a normal that
+/// leans, and would brake what slides. Points of curved surfaces are no faces, however small the
+/// facets' bend.
 Element element_of(const PairStep& step, const Side& side, std::uint32_t id, const Vec3& place,
                    const Pose& path_from_own, const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
@@ -142,9 +180,11 @@ Element element_of(const PairStep& step, const Side& side, std::uint32_t id, con
     const SmoothSurface::Place on = surface.nearest(place, surface.triangle_of(id));
     return SurfacePoint{&own, place, surface.normal(on), path_from_own, true};
   }
-  if (id >= shell.element_count()) return {};
-  return edge_piece_of(side, id, place, field_from_own,
-                       step.restitution > 0.0 ? kNearestWithinSine : kLeaningSine);
+  if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
+  const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
+  const Vec3 along = normalized(half);
+  return EdgePiece{&side.model()->grid(), place, along, field_from_own.rotate(along),
+                   side.model()->settings().tolerance};
 }
 
 /// Features of the sides of cylinders and capsules are of a surface that is straight.

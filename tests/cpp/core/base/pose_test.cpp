@@ -164,7 +164,8 @@ TEST(Pose, RefusesMirrors) {
 
 TEST(Pose, RefusesAnotherLastRowAsOfATransposedMatrix) {
   expect_refused({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 4, 5, 1}, "row-major");
-  expect_refused({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}, "(0, 0, 0, 1) by 1");
+  expect_refused({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2},
+                 "must be 0, 0, 0, 1, and is off by 1;");
   expect_refused({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0}, "last row");
 }
 
