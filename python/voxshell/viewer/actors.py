@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from voxshell.base.arguments import as_unicode
 from voxshell.recording import BodyTrack
-from voxshell.viewer.arrows import LONGEST_ARROW, find_arrows, make_arrow, place_arrows
+from voxshell.viewer.arrows import LONGEST_ARROW, add_arrows, find_arrows, place_arrows
 from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.lanes import Lane, activity_bounds, view_axes
 from voxshell.viewer.palette import BODY_COLORS, FIXED_COLOR, FLOOR_COLOR, FORCE_COLOR
-from voxshell.viewer.pins import Pins, as_light, build_pin_mesh, build_pins
+from voxshell.viewer.pins import Pins, build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import Camera, Slab, Stage, find_slabs
@@ -230,21 +230,8 @@ class _ForceActor(_MarkActor):
             return None
         frames = script.timeline.contact_frames(lane.recording)
         fullest = int(frames[np.argmax(lane.recording.contacts.counts[frames])])
-        positions, turns, scales = _arrows(lane, fullest, script)
-        vertices, faces = split_creases(*make_arrow())
-        node = scene.add_batched_meshes_simple(
-            name,
-            vertices.astype(np.float32),
-            faces.astype(np.uint32),
-            turns,
-            positions,
-            batched_scales=scales,
-            batched_colors=as_light(np.array([FORCE_COLOR], np.float64))[0],
-            lod="off",
-            cast_shadow=False,
-            receive_shadow=False,
-            visible=False,
-        )
+        placed = _arrows(lane, fullest, script)
+        node = add_arrows(scene, name, placed, FORCE_COLOR, visible=False)
         return cls(node, lane, frames, script)
 
     def show(self, instant: int) -> None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from voxshell.viewer.pins import as_light
 from voxshell.viewer.quaternions import normals_as_wxyz
+from voxshell.viewer.shading import split_creases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import viser
     from numpy.typing import NDArray
 
     from voxshell.recording import Recording
@@ -113,3 +116,37 @@ def place_arrows(
     turns = normals_as_wxyz(ways / np.maximum(lengths, 1e-300)[:, None])
     widths = np.minimum(_STOUT * lengths, ARROW_SHAFT / _SHAFT * body_size)
     return arrows[:, 0], turns, np.stack([widths, widths, lengths], axis=1)
+
+
+def add_arrows(
+    scene: viser.SceneApi,
+    name: str,
+    placed: Sequence[NDArray[np.float32]],
+    color: tuple[int, int, int],
+    *,
+    visible: bool = True,
+) -> Any:
+    """Add a node of arrows of one color.
+
+    Args:
+        scene: Of the page.
+        name: Of the node.
+        placed: Positions (k, 3), quaternions (k, 4) and scales (k, 3), as of :func:`place_arrows`.
+        color: Red, green and blue, 0 to 255.
+        visible: Whether it is shown at once.
+    """
+    positions, turns, scales = placed
+    vertices, faces = split_creases(*make_arrow())
+    return scene.add_batched_meshes_simple(
+        name,
+        vertices.astype(np.float32),
+        faces.astype(np.uint32),
+        turns,
+        positions,
+        batched_scales=scales,
+        batched_colors=as_light(np.array([color], np.float64))[0],
+        lod="off",
+        cast_shadow=False,
+        receive_shadow=False,
+        visible=visible,
+    )

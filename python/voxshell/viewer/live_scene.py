@@ -10,7 +10,7 @@ import numpy as np
 from voxshell.model.shapes import Plane
 from voxshell.recording import ContactTrack
 from voxshell.simulation.body_shapes import mesh_of
-from voxshell.viewer.arrows import find_arrows, make_arrow, place_arrows
+from voxshell.viewer.arrows import add_arrows, find_arrows, place_arrows
 from voxshell.viewer.grid import DROP, add_grid
 from voxshell.viewer.palette import (
     BODY_COLORS,
@@ -347,19 +347,8 @@ class LiveScene:
         positions, turns, scales = (each.astype(np.float32) for each in placed)
         node = self._extras.get(name)
         if node is None and len(positions):
-            vertices, faces = split_creases(*make_arrow())
-            self._extras[name] = self._scene.add_batched_meshes_simple(
-                f"/{name}",
-                vertices.astype(np.float32),
-                faces.astype(np.uint32),
-                turns,
-                positions,
-                batched_scales=scales,
-                batched_colors=as_light(np.array([color], np.float64))[0],
-                lod="off",
-                cast_shadow=False,
-                receive_shadow=False,
-            )
+            placed = (positions, turns, scales)
+            self._extras[name] = add_arrows(self._scene, f"/{name}", placed, color)
         elif node is not None:
             if len(positions):
                 node.batched_positions = positions
