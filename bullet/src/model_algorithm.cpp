@@ -176,8 +176,8 @@ void ModelAlgorithm::test_contact(const btCollisionObjectWrapper& a,
 /// Whether the contacts of a search hold for poses near it. Those of segments and of worlds without
 /// a margin are promised to be the samples of each pose. Triangles may change unseen.
 bool ModelAlgorithm::may_keep(const PairStep& step) const {
-  return settings_.mode != ContactMode::kSegmented && settings_.shell == ShellRule::kAutomatic &&
-         step.rest_margin > 0.0 && !step.pair->has_triangles();
+  return settings_.mode != ContactMode::kSegmented && step.rest_margin > 0.0 &&
+         !step.pair->has_triangles();
 }
 
 /// Of a body that lies still, leaves the contacts that span what it lies on. Uniform models round
@@ -260,7 +260,8 @@ double ModelAlgorithm::look(Prepared& prepared, double time_step, const Support*
   const bool has_swapped_roles = search.find_near(settings_, pair, step.margin, &step, wanted);
   if (has_swapped_roles) step = describe();
   span_patches(step);
-  if (may_keep(step)) kept.keep(step, search.contacts());
+  // Of roles that were swapped for this search, the next step would not know.
+  if (may_keep(step) && !has_swapped_roles) kept.keep(step, search.contacts());
   return 0.0;
 }
 

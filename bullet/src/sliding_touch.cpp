@@ -81,8 +81,9 @@ class SlidingPlace {
     const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centers(step_);
     within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
     const bool is_smaller = body_.is_shell != is_shell_larger(step_);
+    if (is_smaller && !rises_along(way)) return std::nullopt;
     const auto now = settle(0.0);
-    if (!now || (is_smaller && !rises_along(way, *now))) return std::nullopt;
+    if (!now) return std::nullopt;
     const auto half = settle(0.5);
     if (!half) return std::nullopt;
     const auto then = settle(1.0);
@@ -137,11 +138,15 @@ class SlidingPlace {
     return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
   }
 
-  /// Whether the other body's surface rises on the way ahead.
-  bool rises_along(const Vec3& way, const Met& now) {
-    const SmoothField::Value ahead =
-        other_.at(other_from_shell_.transform_point(now.position + way));
-    return dot(shell_from_other_.rotate(ahead.outwards), normalized(way)) < -kLeastTurn;
+  /// Whether the other body's surface turns toward the body on the way ahead along it.
+  bool rises_along(const Vec3& way) {
+    const Vec3 here = shell_from_own_.transform_point(place_.position);
+    const auto outwards_at = [&](const Vec3& place) {
+      return shell_from_other_.rotate(other_.at(other_from_shell_.transform_point(place)).outwards);
+    };
+    const Vec3 outwards = outwards_at(here);
+    const Vec3 along = way - dot(way, outwards) * outwards;
+    return dot(outwards_at(here + along) - outwards, normalized(along)) < -kLeastTurn;
   }
 
   /// How far they are apart after a fraction of the step.
