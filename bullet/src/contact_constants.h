@@ -74,6 +74,9 @@ inline constexpr double kSlidesWithin = 0.01;
 /// smaller body are compared with its radius. Smaller: slower. Larger: bodies that roll slowly in
 /// bowls lose speed.
 inline constexpr double kLeastTurn = 0.002;
+/// Radians by which a body itself turns in a step, below which it comes nearer to flat ground by
+/// nothing that matters. Smaller: slower. Larger: ellipsoids that tumble end steps deeper.
+inline constexpr double kLeastOwnTurn = 0.02;
 /// The cosine of the most radians. Larger cosines: at low rates, bodies lose speed in narrow bends.
 /// Smaller: another wall counts as the same one.
 inline constexpr double kLeastCosineOfTurn = 0.7;

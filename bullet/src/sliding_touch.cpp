@@ -81,7 +81,9 @@ class SlidingPlace {
     const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centers(step_);
     within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
     const bool is_smaller = body_.is_shell != is_shell_larger(step_);
-    if (is_smaller && !rises_along(way)) return std::nullopt;
+    const double angle = step_.time_step * length(step_.motion.angular_velocity);
+    const bool may_turn = angle >= kLeastOwnTurn || !is_smaller || rises_along(way);
+    if (!may_turn) return std::nullopt;
     const auto now = settle(0.0);
     if (!now) return std::nullopt;
     const auto half = settle(0.5);
