@@ -26,7 +26,7 @@ struct ModelSettings {
   std::size_t target_points = 0;  ///< reached within 1 %
   double padding = -1.0;          ///< meters of grid beyond the mesh; negative: 16 voxels
   SignMethod sign = SignMethod::kAutomatic;
-  /// What a mesh with open edges becomes. kAutomatic decides by the openings if the sign is
+  /// Treatment of a mesh with open edges. kAutomatic decides by the openings if the sign is
   /// automatic as well; otherwise it makes a solid.
   OpenMesh open = OpenMesh::kAutomatic;
   /// Meters. 0: a 200th of the longest side, and at least two voxels in uniform models. kSolid

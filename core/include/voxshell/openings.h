@@ -6,7 +6,7 @@
 
 namespace voxshell {
 
-/// What a mesh with open edges becomes.
+/// Treatment of a mesh with open edges.
 enum class OpenMesh {
   kAutomatic,  ///< decided by its openings
   kSolid,      ///< closed: inside is where the winding number is above a half

@@ -7,7 +7,7 @@
 
 namespace voxshell {
 
-/// What kind of bad input or interruption stopped an operation.
+/// The kind of bad input or interruption that stopped an operation.
 enum class ErrorCode {
   kInvalidArgument,  ///< a setting is missing, contradictory or out of range
   kInvalidMesh,      ///< the mesh cannot be used: not finite, empty, open, inside out

@@ -61,7 +61,7 @@ bool is_first_positive(const Vec3& v) {
 RigidMotion RigidMotion::between(const Pose& start, const Pose& end) {
   const Quaternion q = to_quaternion(end.rotation * start.rotation.transposed());
   const double sine = length(q.v);
-  // What rounding leaves of zero is no direction.
+  // A smaller number is zero but for rounding, and its sign says nothing.
   constexpr double kZero = 1e-15;
   const bool is_half = std::abs(q.w) < kZero;
   const bool is_reversed = is_half ? !is_first_positive(q.v) : q.w < 0.0;

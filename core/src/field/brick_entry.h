@@ -8,7 +8,7 @@
 
 namespace voxshell {
 
-/// What an entry says of its brick, see simd/grid_view.h.
+/// The contents of a brick's entry, see simd/grid_view.h.
 struct BrickEntry {
   bool is_plane = false;
   int cells = 1;          ///< of its samples, along each axis; 1 where it is a plane

@@ -53,7 +53,7 @@ Outline make_outline(const Bounds& surface_bounds, double padding, double voxel_
   return outline;
 }
 
-/// What it takes to build a field.
+/// The size of a field to build.
 struct Demand {
   double bricks = 0.0;
   double fine_bricks = 0.0;
@@ -131,7 +131,7 @@ double advise_voxel_size(const TriangleMesh& mesh, const GridFieldSettings& sett
   return advised;
 }
 
-/// What to use instead of settings that are too large.
+/// Settings to use instead of those that are too large, in words.
 std::string advise(const TriangleMesh& mesh, GridFieldSettings settings, double longest_side) {
   std::string advice;
   // It is the padding's size then, and no finer voxel's.

@@ -43,7 +43,7 @@ struct BrickPlan {
   std::int32_t cells = 0;    ///< along each axis; 0: as a plane
   std::uint32_t region = 0;  ///< of the mesh, whose plane it is
   float at_center = 0.0f;    ///< unsigned distance, voxels
-  std::int32_t guess = 0;    ///< what is nearest to the center, for searches in the brick
+  std::int32_t guess = 0;    ///< the block nearest to the center, for searches in the brick
 };
 
 /// The middle of a brick, voxels from the grid's origin.
@@ -66,7 +66,7 @@ class BrickPlanner {
         flat_(flat),
         plane_tolerance_(plane_tolerance) {}
 
-  /// What one thread plans with.
+  /// Working memory of one thread that plans.
   struct Work {
     DistanceTree::Nearest nearest{};
     std::vector<std::uint32_t> nearby;

@@ -23,11 +23,11 @@ constexpr std::size_t kNodes = kBrickCells + 1;
 /// How large the specks are, voxels.
 constexpr double kSpeck = 1e-3;
 
-/// What is known of a triangle.
+/// The visible part of a triangle, and whether its sides are inside.
 struct Look {
   SurfaceSides sides;                       ///< at its middle
   bool is_hidden = false;                   ///< as a whole
-  std::vector<std::array<Vec3, 3>> pieces;  ///< what is visible of it, where that is a part
+  std::vector<std::array<Vec3, 3>> pieces;  ///< the visible ones, where only a part is visible
 
   /// Of neither side is it in doubt whether it is inside.
   bool is_clear() const {

@@ -14,8 +14,8 @@ namespace voxshell {
 
 /// The boundary of what a mesh has inside by its winding numbers.
 struct EnclosingSurface {
-  TriangleMesh mesh;  ///< what of the mesh bounds it, and specks where holes are closed
-  /// What of the mesh bounds it, where that is not all of the mesh.
+  TriangleMesh mesh;  ///< the part of the mesh that bounds it, and specks where holes are closed
+  /// The part of the mesh that bounds it, where that is not all of the mesh.
   std::optional<VisibleSurface> visible;
   std::size_t hidden_triangles = 0;  ///< inside on both sides, wholly or in part
   Vec3 first_hidden{};               ///< the middle of the first of them, meters

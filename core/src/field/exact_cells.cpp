@@ -92,9 +92,9 @@ std::vector<float> make_records(const TriangleMesh& mesh) {
   return records;
 }
 
-/// What trilinear samples may be off in the cells of a brick, voxels, estimated from how the
-/// differences of nodes change along each axis: a crease across a cell changes them by what its two
-/// sides differ in slope, four times what the middle of the cell is off.
+/// Errors of trilinear samples in the cells of a brick, voxels, estimated from how the differences
+/// of nodes change along each axis: a crease across a cell changes them by the difference of the
+/// slopes of its two sides, four times the error in the middle of the cell.
 std::array<float, kCells> estimate_errors(std::span<const float> nodes) {
   std::array<float, kCells> errors{};
   constexpr std::array<int, 3> kStrides{1, kNodes, kNodes * kNodes};
@@ -372,7 +372,7 @@ bool ExactCellFinder::is_continuous(const Job& job, const Cube& cell,
   return true;
 }
 
-/// What samples are worth in a cell.
+/// The accuracy of samples in a cell.
 struct ExactCellFinder::Look {
   float proved = 0.0f;     ///< no place of the cell is off by more, voxels
   bool is_off = false;     ///< some place that was looked at is, or has another normal

@@ -29,7 +29,7 @@ class ExactCellFinder {
     float error = 0.0f;  ///< proved, of the other cells that the surface passes, voxels
   };
 
-  /// What one thread works with.
+  /// Working memory of one thread.
   struct Work {
     std::vector<std::uint32_t> nearby;
     std::vector<float> distances;

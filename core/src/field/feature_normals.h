@@ -7,7 +7,7 @@
 
 namespace voxshell {
 
-/// What tells inside from outside where a triangle is nearest.
+/// Data that tell inside from outside where a triangle is nearest.
 struct Features {
   std::vector<float> normals;  ///< of the triangles' features, see simd/exact_view.h
   /// Triangles that were cut, or that touch such a one or a needle. Their normals are found by

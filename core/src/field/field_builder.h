@@ -49,8 +49,8 @@ class FieldBuilder {
                const GridFieldSettings& settings, const Inside& inside, const Progress& progress,
                Features features);
 
-  /// What stopped it, if anything did: kCanceled, kTooLarge, and kInvalidMesh where overlap() is
-  /// not empty, which is seen as early as can be.
+  /// Returns the error that stopped it, if one did: kCanceled, kTooLarge, or kInvalidMesh where
+  /// overlap() is not empty, which is seen as early as can be.
   std::optional<Error> build(GridFieldData& data);
 
   const OverlapCount& overlap() const { return overlap_; }

@@ -69,9 +69,10 @@ Result<GridFieldData> build_closed(const TriangleMesh& mesh, const BrickGridPlan
   return data;
 }
 
-/// What cuts a closed mesh some of whose surface does not bound the body, else null: parts that
-/// overlap, of which `suspects` are the triangles near other parts, and a part that crosses itself,
-/// by however little. Samples see less of the latter than exact cells, whose signs it turns.
+/// The cutter of a closed mesh some of whose surface does not bound the body, else null: of parts
+/// that overlap, of which `suspects` are the triangles near other parts, and of a part that crosses
+/// itself, by however little. Samples see less of the latter than exact cells, whose signs it
+/// turns.
 std::shared_ptr<const SurfaceCutter> find_hidden(const TriangleMesh& mesh,
                                                  std::vector<std::uint32_t> suspects,
                                                  const GridFieldSettings& settings) {

@@ -89,7 +89,7 @@ std::vector<BentEdge> measure_edges(const TriangleMesh& mesh, std::span<const Tr
 
 bool is_sharp(const BentEdge& edge, double tolerance) {
   if (edge.triangle_count != 2) return true;
-  // What stands out by less is a matter of points.
+  // Points suffice for an edge that stands out by less.
   if (edge.bend <= 0.0 || edge.width * edge.bend <= 0.5 * tolerance) return false;
   // Between facets so wide that points along the edge would be more than its segments.
   constexpr double kWide = 18.0;
@@ -197,7 +197,7 @@ std::vector<double> choose_spacings(const TriangleMesh& mesh, std::span<const Be
   }
 }
 
-/// What is around a vertex.
+/// The edges and triangles around a vertex.
 struct Surroundings {
   Vec3 normal{};
   Vec3 neighbors{};      ///< their sum

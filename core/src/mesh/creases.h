@@ -27,7 +27,7 @@ struct Corner {
   Vec3 normal;  ///< outward unit normal, the mean over the angles around it; zero where it has none
 };
 
-/// What points spread over a mesh would miss.
+/// Features that points spread over a mesh would miss.
 struct Creases {
   /// The sharp edges: those where the surface bends outwards by more than 20 degrees, or where wide
   /// facets meet at smaller angles; edges of one triangle or of more than two; all of them only

@@ -31,7 +31,7 @@ class DistanceTree {
   bool find_within(const Vec3& p, double radius, std::size_t most,
                    std::vector<std::uint32_t>& found) const;
 
-  /// What one thread measures bricks with.
+  /// Working memory of one thread that measures bricks.
   struct Scratch {
     std::unique_ptr<std::int32_t[]> indices;
     std::unique_ptr<float[]> floats;

@@ -40,7 +40,7 @@ class RayWinding {
   std::vector<Facet> facets_;
   BoxFinder finder_;
   Bounds bounds_;    ///< of the facets
-  double rounding_;  ///< what is nearer to the surface lies on it
+  double rounding_;  ///< places nearer to the surface lie on it
 };
 
 }  // namespace voxshell

@@ -11,8 +11,8 @@
 
 namespace voxshell {
 
-/// What lies nearer together than this touches, meters: above the rounding of coordinates, in files
-/// as well, and below what matters.
+/// Parts nearer together than this touch, meters: above the rounding of coordinates, in files as
+/// well, and below what matters.
 double measure_rounding(const TriangleMesh& mesh);
 
 /// Where triangles of a mesh cross one another, or touch along a line, other than neighbors along
@@ -21,7 +21,7 @@ class SelfCrossings {
  public:
   explicit SelfCrossings(const TriangleMesh& mesh);
 
-  /// What lies nearer together counts as touching, meters.
+  /// Parts nearer together count as touching, meters.
   double rounding() const { return rounding_; }
   std::size_t size() const { return triangles_.size(); }  ///< triangles of the mesh
   const std::array<Vec3, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }

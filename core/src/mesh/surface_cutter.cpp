@@ -26,7 +26,7 @@ Vec3 compute_normal(const std::array<Vec3, 3>& corners) {
   return normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
 }
 
-/// What hangs together by vertices.
+/// Parts of a mesh, each connected by its vertices.
 struct Parts {
   std::vector<std::uint32_t> of;  ///< triangles
   std::vector<Bounds> boxes;
@@ -79,7 +79,7 @@ class SurfaceCutter::Division {
         smallest_(kSmallest *
                   length(bound_triangle(cutter.crossings_.corners(triangle)).extents())) {}
 
-  /// What touches one of its longer sides touches both: its neighbors are as near.
+  /// A part that touches one of its longer sides touches both: its neighbors are as near.
   bool is_narrow(const Polygon& polygon) const { return width_of(polygon) <= cutter_.rounding(); }
 
   void divide(const Polygon& polygon) {

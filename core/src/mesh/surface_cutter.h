@@ -69,7 +69,7 @@ class SurfaceCutter {
   /// `crossings` are those of the mesh.
   SurfaceCutter(const TriangleMesh& mesh, bool is_balanced, SelfCrossings crossings);
 
-  /// What lies nearer together counts as touching, meters.
+  /// Parts nearer together count as touching, meters.
   double rounding() const { return crossings_.rounding(); }
   bool is_balanced() const { return is_balanced_; }
 
@@ -115,8 +115,8 @@ class SurfaceCutter {
   SelfCrossings crossings_;
 };
 
-/// What bounds the body of a mesh that overlaps itself: triangles that are visible as a whole, and
-/// the visible pieces of others.
+/// The surface that bounds the body of a mesh that overlaps itself: triangles that are visible as a
+/// whole, and the visible pieces of others.
 struct VisibleSurface {
   TriangleMesh mesh;
   std::vector<VisibleTriangle> triangles;  ///< one a triangle of `mesh`, in ascending order

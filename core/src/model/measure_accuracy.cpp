@@ -202,7 +202,8 @@ class Measurement {
   /// How often points are added, and at most how many.
   static constexpr int kRounds = 4;
   static constexpr std::size_t kMostAdded = 2'000;
-  /// What is this near to a new point, of how far it was from any, waits for the next round.
+  /// A place waits for the next round if it is nearer to a new point than this fraction of that
+  /// point's distance from the points before.
   static constexpr float kNextTo = 0.5f;
   static constexpr float kSameWay = 0.8f;  // cosine
 

@@ -166,7 +166,7 @@ Result<Openings> close_mesh(RepairedMesh& repaired, const ModelSettings& setting
   return openings;
 }
 
-/// What a mesh that is not closed has inside is what its field says, to a 64th of its longest side.
+/// The inside of a mesh that is not closed is that of its field, to a 64th of its longest side.
 MassProperties compute_solid(const TriangleMesh& mesh, const GridField& field) {
   if (field.sign_report().method == SignMethod::kClosed) return compute_solid_mass_properties(mesh);
   constexpr int kPieces = 64;

@@ -66,9 +66,9 @@ inline TableEntry little_endian(const TableEntry& entry) {
           voxshell::little_endian(entry.zero)};
 }
 
-/// What is not an array. Meters.
+/// All values that are not arrays. Meters.
 struct Record {
-  // What the model was built with.
+  // The settings that the model was built with.
   double tolerance;
   double voxel_size;
   std::int64_t resolution;
@@ -118,7 +118,7 @@ struct Record {
 };
 static_assert(sizeof(Record) == std::size_t{67} * 8);
 
-/// What a file holds. Array<T> is a std::vector<T> to read into or a span to write from.
+/// The contents of a file. Array<T> is a std::vector<T> to read into or a span to write from.
 template <template <class> class Array>
 struct Sections {
   Array<Record> record;

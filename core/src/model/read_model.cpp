@@ -169,7 +169,7 @@ class Reader {
   Checksum checksum_;
 };
 
-/// What the parts of a model refuse, a file should not hold.
+/// A part that a model refuses is an error of the file.
 Error in_file(const char* part, const Error& error) {
   return invalid("its %s cannot be used: %s", part, error.message.c_str());
 }

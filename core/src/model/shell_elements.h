@@ -13,8 +13,8 @@
 
 namespace voxshell {
 
-/// What a shell sees with: a point with the normal there, or a piece of an edge with the mean
-/// normal of the faces beside it, or none. Meters, the mesh's frame.
+/// An element of a shell: a point with the normal there, or a piece of an edge with the mean normal
+/// of the faces beside it, or none. Meters, the mesh's frame.
 struct ShellElement {
   Vec3f from;
   Vec3f to;  ///< the same as `from` for a point

@@ -126,7 +126,7 @@ simd::PointList find_edges(const simd::PosedView<V>& posed, const EdgeSegments& 
   return found;
 }
 
-/// What bodies that move together are asked differs by the margin alone, which follows their speed.
+/// Questions to bodies that move together differ by the margin alone, which follows their speed.
 bool is_of_same_place(const QueryScratch::State::Question& a,
                       const QueryScratch::State::Question& b) {
   QueryScratch::State::Question other = b;

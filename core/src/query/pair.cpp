@@ -109,7 +109,7 @@ bool may_hide_inside(const Body& inner, const Body& outer) {
   return inner.size() < outer.size() && inner.thickness < outer.sides.x;
 }
 
-/// What of the body may enter between the elements of a shell that are this far apart.
+/// The depth to which the body may enter between elements of a shell that are this far apart.
 double enter_between(const Body& body, double gap) {
   if (body.is_sharp) return std::min(gap, body.size());
   return std::min({0.5 * body.curvature * gap * gap, gap, body.size()});

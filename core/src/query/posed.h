@@ -17,7 +17,7 @@
 
 namespace voxshell {
 
-/// What float32 arithmetic on coordinates up to `magnitude` meters may add to or take from a
+/// The most that float32 arithmetic on coordinates up to `magnitude` meters adds to or takes from a
 /// distance: 32 units in the last place, several times what the longest chain of operations needs.
 inline float compute_rounding_slack(double magnitude) {
   constexpr double kUlp = 1.0 / (1 << 23);

@@ -72,7 +72,7 @@ struct QueryLists::State {
   /// have moved for it.
   bool reserve(const simd::TreeView& tree, std::size_t more);
 
-  /// What searches among a shell's edges use beside those among its points.
+  /// The state of searches among a shell's edges, apart from those among its points.
   State& of_edges() {
     if (!edges) edges = std::make_unique<State>();
     return *edges;
@@ -131,7 +131,7 @@ struct QueryScratch::State {
 
   static constexpr std::size_t kPointLists = 6;
 
-  /// What the last search for contacts was left with, and for which question.
+  /// The elements that the last search for contacts was left with, and its question.
   struct Survivors {
     ViewOf<Field>::Any field;  ///< none: there are no survivors to go on from
     std::uint64_t tree = 0;
@@ -146,8 +146,8 @@ struct QueryScratch::State {
     void forget() { field = std::monostate{}; }
   } survivors;
 
-  /// What the last search for contacts was asked, all that its answer depends on, and the answer:
-  /// bodies at rest ask the same again.
+  /// The question of the last search for contacts, which is all that the answer depends on. Bodies
+  /// at rest ask the same again.
   struct Question {
     ViewOf<Field>::Any field;
     std::uint64_t tree = 0;

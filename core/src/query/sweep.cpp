@@ -173,7 +173,7 @@ Sweep sweep(const Field& field, const PointShell& shell, const RigidMotion& worl
         step = half;
       } else {
         reached = next;
-        // What has just been too long would be so again.
+        // A step that has just been too long would be so again.
         if (was_clear) step *= 2.0;
       }
       was_clear = is_clear;

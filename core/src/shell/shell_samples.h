@@ -26,7 +26,7 @@ struct ShellSamples {
   std::optional<EdgeSegments> edges = {};
 };
 
-/// What a build returns that its progress asked to stop.
+/// The error of a build that its progress asked to stop.
 inline Error make_stopped_error() {
   return {ErrorCode::kCanceled, "building the point shell was stopped"};
 }

@@ -53,7 +53,7 @@ VOXSHELL_INLINE unsigned bits(I8 mask) {
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
 }
 
-/// What `load` gives for each index. Eight loads take less time than a gather instruction:
+/// The result of `load` for each index. Eight loads take less time than a gather instruction:
 /// docs/decisions/0011-kernels-in-vector-extensions.md.
 template <class Load>
 VOXSHELL_INLINE I8 load_eight(I8 index, const Load& load) {

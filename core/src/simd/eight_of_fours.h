@@ -80,7 +80,7 @@ using F4 = F8::Four;
 using I4 = I8::Four;
 using U4 = Eight<uint32_t>::Four;
 
-/// What `at` gives for each lane.
+/// The result of `at` for each lane.
 template <class Numbers, class At>
 VOXSHELL_INLINE Numbers of_each_lane(const At& at) {
   return Numbers(at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7));

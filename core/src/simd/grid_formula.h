@@ -65,7 +65,7 @@ struct GridCell {
   bool is_one;  ///< all places fall in one cell
 };
 
-/// What follows an entry's fields; entries are unsigned.
+/// The number that follows an entry's fields; entries are unsigned.
 template <class I>
 VOXSHELL_INLINE I as_payload(I entry) {
   return shift_down(entry, kPayloadShift);
@@ -104,10 +104,10 @@ VOXSHELL_INLINE void repeat_corners(const GridView& grid, int32_t first, int32_t
   for (int i = 0; i < 8; ++i) cell.c[i] = splat<F8>(one.c[i]);
 }
 
-/// What the lowest three bits of an entry say of its samples: how many cells there are to a side,
-/// less one; how many to a voxel; how large they are, voxels; where the index of the first is; and
-/// how far samples are apart along y and z, a pair, where there is more than one cell. One path for
-/// all of them: branches on what lanes meet would be guessed wrong.
+/// Tables of the lowest three bits of an entry, which describe its samples: how many cells there
+/// are to a side, less one; how many to a voxel; how large they are, voxels; where the index of the
+/// first is; and how far samples are apart along y and z, a pair, where there is more than one
+/// cell. One path for all of them: branches on what lanes meet would be guessed wrong.
 struct CellTables {
   static_assert(kSampleAlignment == 4);
   static constexpr int32_t kPayload = INT32_MAX >> (kPayloadShift - 3) & ~3;
@@ -223,8 +223,8 @@ enum class Wanted { kDistance, kDistanceAndGradient };
 VOXSHELL_INLINE float lane_of(float value, int) { return value; }
 VOXSHELL_INLINE float lane_of(F8 value, int lane) { return value[lane]; }
 
-/// What a table says of the bricks that places fall in. Where they are one, eight loads take longer
-/// than the question.
+/// The entries of a table for the bricks that places fall in. Where all fall in one brick, eight
+/// loads take longer than to ask whether they do.
 VOXSHELL_INLINE int32_t gather_of_brick(const uint32_t* table, int32_t brick, bool) {
   return gather(table, brick);
 }
@@ -330,7 +330,7 @@ inline ExactValue<F8> evaluate_lists(const ExactGridView& grid, const Triple<F8>
   return value;
 }
 
-/// What samples and planes say at the nearest point of the grid.
+/// The values of samples and planes at the nearest point of the grid.
 template <Wanted kWanted, class F>
 VOXSHELL_INLINE GridValue<F> evaluate_samples(const GridView& grid, const Triple<F>& p,
                                               const GridPlace<F>& place) {

@@ -2,7 +2,7 @@
 
 namespace voxshell::simd {
 
-/// What kernels are compiled for. All give the same bits.
+/// Instruction sets that kernels are compiled for. All give the same bits.
 enum class Isa { kPortable, kAvx2 };
 
 /// The best that this processor has, or the one that the environment variable VOXSHELL_FORCE_ISA

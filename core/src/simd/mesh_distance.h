@@ -49,7 +49,7 @@ struct Nearest {
   int32_t triangle;  ///< 8 times its block, and its place there
 };
 
-/// What measuring a brick works on. All have room for `most_blocks`.
+/// Working memory for measuring a brick. All arrays have room for `most_blocks`.
 struct BrickScratch {
   int32_t most_blocks;
   int32_t* blocks;

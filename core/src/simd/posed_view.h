@@ -12,7 +12,7 @@ struct PosedView {
   V field;
   float row_x[3], row_y[3], row_z[3];  ///< of the rotation field_from_shell
   float translation[3];
-  float slack;  ///< what float32 may add to or take from a distance, meters
+  float slack;  ///< the most that float32 adds to or takes from a distance, meters
 };
 
 /// A plane lies in the shell's frame already: cheaper, and as precise far from its origin as near.

@@ -38,8 +38,8 @@ struct Seeds {
 };
 inline constexpr uint32_t kMostSeeds = 512;
 
-/// What is looked for among the contacts of a manifold (thesis, section 5.3): the first is the
-/// deepest, `chosen` the ones already found.
+/// A search for the next point of a manifold (thesis, section 5.3): the first is the deepest,
+/// `chosen` are the ones already found.
 struct ManifoldSearch {
   float chosen[3][3];  ///< their points, the shell's frame, meters
   int count;           ///< 1 to 3
@@ -49,7 +49,7 @@ struct FoundPoint {
   uint32_t id;  ///< or kNone
   float distance;
   float point[3];
-  float score = 0.0f;  ///< what it adds to a manifold's area, where that was asked for
+  float score = 0.0f;  ///< the area that it adds to a manifold, where that was asked for
 };
 
 /// Poses of which one is to bring what is looked for below its margin; or none, and nothing is

@@ -1,6 +1,6 @@
 #pragma once
 
-// What queries ask of a tree's spheres and points in a field, eight at a time.
+// Tests of a tree's spheres and points in a field by queries, eight at a time.
 
 #include "simd/query_kernels.h"
 
@@ -104,8 +104,7 @@ VOXSHELL_INLINE I8 find_tags(const GridView& grid, const GridPlace<F8>& place,
   return fits & (as_payload(value.entry) + 1);
 }
 
-/// What is asked of spheres: which may hold a point below the margin, or bounds to rank them by,
-/// too.
+/// The test of spheres: which may hold a point below the margin, or also bounds to rank them by.
 enum class Test { kAgainstMargin, kWithBounds };
 
 template <Test kTest = Test::kWithBounds, class G>
