@@ -35,9 +35,9 @@ class InputFile {
 
 /// A file that appears under its name whole, or not at all, whatever happens on the way: it is
 /// written under another name in the same folder, flushed to the disk and renamed. Where the name
-/// is a link's, the file that it leads to is replaced. What is there and is no regular file is
-/// refused. What killed writers left in the folder is removed by the next writer: at once if they
-/// ran on this machine, otherwise after ten minutes. Errors: kFileAccess.
+/// is a link's, the file that it leads to is replaced. Anything there but a regular file is
+/// refused. Files that killed writers left in the folder are removed by the next writer: at once if
+/// they ran on this machine, otherwise after ten minutes. Errors: kFileAccess.
 class OutputFile {
  public:
   /// Names of unfinished files begin with this, and end in kUnfinishedSuffix.

@@ -36,7 +36,7 @@ double sine_after_quarters(double x, int quarters) {
 }  // namespace
 
 double portable_atan2(double y, double x) {
-  // Of i / 8. What is left is an angle whose tangent is at most 1 / 16.
+  // Of i / 8. The rest is an angle whose tangent is at most 1 / 16.
   constexpr std::array<double, 9> kAngles{0.0,
                                           0.12435499454676144,
                                           0.24497866312686414,

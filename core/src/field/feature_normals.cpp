@@ -30,8 +30,8 @@ struct PieceNormals {
   std::array<Vec3, 3> corners;
 };
 
-/// `face` is the normal of the piece. What meets the piece at a side may change along it: that
-/// which bends most tells the sides of all.
+/// `face` is the normal of the piece. The surface that meets the piece at a side may change along
+/// it: the one that bends most tells the sides of all.
 PieceNormals compute_by_place(const AngleNormals& around, const Vec3& face,
                               const std::array<Vec3, 3>& corners) {
   constexpr std::array kFractions{0.5, 0.1, 0.3, 0.7, 0.9};

@@ -15,8 +15,8 @@ struct RepairedMesh {
 /// Drops triangles that others repeat, facing the same way, unless that would open it, cuts those
 /// amid whose open edges vertices of others lie, if that closes some, and turns
 /// triangles so that neighbors agree: of what hangs together by edges of two triangles, those of
-/// the smaller area. What cannot be oriented, as a Moebius strip, stays as it is, and so does what
-/// is inside out as a whole. A closed mesh is returned as it was given.
+/// the smaller area. A surface that cannot be oriented, as a Moebius strip, stays as it is, and so
+/// does one that is inside out as a whole. A closed mesh is returned as it was given.
 RepairedMesh repair_mesh(const TriangleMesh& mesh);
 
 /// Only measures.

@@ -12,7 +12,7 @@ namespace {
 using namespace simd::portable;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Cosine. What is square to a normal does not face away from it.
+/// Cosine. A direction square to a normal does not face away from it.
 constexpr float kFacesAway = -1e-3f;
 
 std::vector<Bounds> bound_elements(std::span<const ShellElement> elements) {

@@ -120,8 +120,8 @@ double miss_of(const Body& shell, const Body& field) {
   return shell.coverage + field.field_error + enter_between(field, shell.gap);
 }
 
-/// Whatever either of the shells finds is found. What may enter between the elements of both is an
-/// edge that crosses an edge, unless the edges of one of them are elements.
+/// Whatever either of the shells finds is found. Only an edge that crosses an edge may enter
+/// between the elements of both, unless the edges of one of them are elements.
 double miss_of_both(const Body& a, const Body& b, double miss_of_a, double miss_of_b) {
   if (!a.has_shell || !b.has_shell) return kUnbounded;
   const double crossing = a.has_edges || b.has_edges

@@ -613,7 +613,7 @@ VOXSHELL_INLINE F find_lower_bound(const G& grid, const GridPlace<F>& place,
                  value.distance - bound_fall_in_brick(grid, place, value, radius));
 }
 
-/// The same, as near to the value as is known. What advances by such bounds would end elsewhere.
+/// The same, as near to the value as is known. A walk by such bounds would end elsewhere.
 template <class G, class F>
 VOXSHELL_INLINE F find_tight_bound(const G& grid, const GridPlace<F>& place,
                                    const GridValue<F>& value, F radius, float coarsest) {

@@ -71,7 +71,7 @@ VOXSHELL_INLINE FourPlaces way_to(const double* to, const FourPlaces& from) {
 VOXSHELL_INLINE D4 arc_tangent(D4 y, D4 x) {
   constexpr double kQuarterTurn = 1.5707963267948966;
   constexpr double kHalfTurn = 3.141592653589793;
-  // Of i / 8. What is left is an angle whose tangent is at most 1 / 16.
+  // Of i / 8. The rest is an angle whose tangent is at most 1 / 16.
   static constexpr double kAngles[9] = {0.0,
                                         0.12435499454676144,
                                         0.24497866312686414,
