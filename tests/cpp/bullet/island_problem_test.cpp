@@ -71,7 +71,7 @@ class Island {
   }
 
   SolverPools pools() { return {&bodies_, &joints, &contacts, &friction_, &rolling}; }
-  bool is_worth() { return problem_.prepare(pools()); }
+  bool pays() { return problem_.prepare(pools()); }
   bool is_small() const { return problem_.is_small(); }
   double error() {
     problem_.prepare(pools());
@@ -272,7 +272,7 @@ TEST(IslandProblem, ChangesNothingWithoutAnAnswer) {
 TEST(IslandProblem, IsForWhatMovesAndIsNarrow) {
   Island fixed;
   fixed.add_contact(fixed.add_body(0.0), fixed.add_body(0.0));
-  EXPECT_FALSE(fixed.is_worth());
+  EXPECT_FALSE(fixed.pays());
   // The matrix of ten bodies, all of which touch each other, is full: 60^3 / 6 multiplications.
   constexpr int kBodies = 10;
   static_assert(60 * 60 * 60 / 6 > kMostCost);
@@ -283,23 +283,23 @@ TEST(IslandProblem, IsForWhatMovesAndIsNarrow) {
     for (int k = 0; k < i; ++k) heap.add_contact(i, k);
     for (int k = 0; k < i; ++k) robot.add_joint(i, k, {1, 0, 0}, 0.0);
   }
-  EXPECT_FALSE(heap.is_worth());
-  EXPECT_TRUE(tower.is_worth());
-  EXPECT_TRUE(robot.is_worth());
+  EXPECT_FALSE(heap.pays());
+  EXPECT_TRUE(tower.pays());
+  EXPECT_TRUE(robot.pays());
 }
 
 TEST(IslandProblem, IsSmallUpToADozenBodiesBesideThoseOfJoints) {
   Island island;
   int last = island.add_body(0.0);
   for (std::size_t i = 0; i < kFewBodies; ++i) last = island.add_body(1.0);
-  island.is_worth();
+  island.pays();
   EXPECT_TRUE(island.is_small());
   const int hinged = island.add_body(1.0);
-  island.is_worth();
+  island.pays();
   EXPECT_FALSE(island.is_small());
   for (std::size_t i = 1; i <= kRowsOfJoint; ++i) {
     island.add_joint(hinged, last, {1, 0, 0}, 0.0);
-    island.is_worth();
+    island.pays();
     EXPECT_EQ(island.is_small(), i == kRowsOfJoint) << i;
   }
 }
