@@ -32,7 +32,7 @@ _MOST_BEHIND = 0.2
 """Seconds that a run may lag behind its speed; it does not catch up more than this."""
 
 FIRST_PAGE = 30.0
-"""Seconds that the first step of a view with a speed waits for a page."""
+"""Seconds that the first step of a view with a speed waits until a page has drawn the world."""
 
 
 class Page(Protocol):
@@ -66,8 +66,9 @@ class LiveView:
     at most ``frames_per_second`` times per second and only while a page is open. Another thread
     sends the data. Nothing else touches the world, and reading does not change it.
 
-    Start: a view with a speed is made to be watched. So the first step waits up to 30 seconds for the
-        first page, and says on the terminal where the page is. ``wait`` changes that time.
+    Start: a view with a speed is made to be watched. So the first step waits up to 30 seconds until the
+        first page has drawn the world, and says on the terminal where the page is. ``wait`` changes that
+        time.
 
     Pause: ``World.step`` blocks until the view is resumed or closed, even in the middle of
         ``step(1000)``. Ctrl-C ends the wait just as it ends a run. When the last page is closed, a
@@ -252,12 +253,15 @@ class LiveView:
         """Count browsers that open or close the page; the page calls this."""
         with self._news:
             self._pages += change
-        with self._gate:
-            self._wait = 0.0
-            self._gate.notify_all()
         self._refresh()
         if self._pages == 0:
             self.resume()
+
+    def begin(self) -> None:
+        """End the wait of the first step: a page has drawn the world; the page calls this."""
+        with self._gate:
+            self._wait = 0.0
+            self._gate.notify_all()
 
     def __enter__(self) -> LiveView:
         return self
@@ -313,7 +317,7 @@ class LiveView:
                 self._shown, shown = self._shown + 1, frame.bodies
 
     def _wait_for_page(self) -> None:
-        """Wait for the first page, once; a pause waits for it anyway."""
+        """Wait until the first page has drawn the world, once; a pause waits for a page anyway."""
         with self._gate:
             seconds, end = self._wait, time.monotonic() + self._wait
             if not (self._paused or self._closed) and sys.stderr is not None:

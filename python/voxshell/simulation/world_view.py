@@ -63,12 +63,11 @@ class ViewedWorld(WorldQueries):
             frames_per_second: Largest number of updates of the page per second of wall-clock time.
             speed: Largest number of simulated seconds per second while a page is open; :meth:`step`
                 waits if it would be faster. None: no limit. The page can change it. Unless ``wait`` is
-                given, the first step waits up to 30 s for a page.
-            paused: Wait before the first step until somebody presses "Resume" on the page, so that you miss
-                nothing: a browser draws the scene a moment after it has opened the page.
-            wait: Largest time that the first step waits for the first page, seconds. The terminal says
-                so, with the address. By default 30 where a ``speed`` is given, and otherwise 0. A
-                paused view waits for its page in any case.
+                given, the first step waits up to 30 s until a page has drawn the world.
+            paused: Wait before the first step until somebody presses "Resume" on the page.
+            wait: Largest time that the first step waits until the first page has drawn the world,
+                seconds. The terminal says so, with the address. By default 30 where a ``speed`` is
+                given, and otherwise 0. A paused view waits for its page in any case.
             open_browser: Open the page in the default browser of this machine.
 
         Returns:

@@ -90,6 +90,12 @@ class LivePage:
         server.gui.set_panel_label(as_unicode(title))
         self._add_controls(server.gui)
         self._legend = server.gui.add_html("")
+        self._drawn = server.gui.add_button("drawn", visible=False)  # the page's script presses it
+
+        @self._drawn.on_click
+        def _(_: Any) -> None:
+            view.begin()
+
         self._plots = LivePlots(server.gui)
         server.on_client_connect(self._meet)
         server.on_client_disconnect(self._part)
@@ -199,10 +205,11 @@ class LivePage:
             self._legend.content = legend
 
     def _describe(self) -> str:
-        """Return the legend as HTML."""
+        """Return the legend as HTML. It follows the bodies, so a page that has it has been sent them."""
         scene = self._scene
+        begin = f'<span id="voxshell-begin" data-button="{self._drawn._impl.uuid}"></span>'
         if scene.extent is None:
-            return ""
+            return begin
         colors = ", ".join("#{:02x}{:02x}{:02x}".format(*color) for color in DEPTH_COLORS)
         deepest = scene.deepest
         depth = (
@@ -213,7 +220,7 @@ class LivePage:
         )
         force, pull = ("#{:02x}{:02x}{:02x}".format(*color) for color in (FORCE_COLOR, PULL_COLOR))
         return (
-            f'<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
+            f'{begin}<div style="padding: 0.2em 1em 0.8em; font-size: 0.85em; line-height: 1.6">{depth}'
             f'<b style="color: {force}">&#8594;</b> normal force on the moving body '
             f"(grows up to {scene.longest_force:.2g} N)<br>"
             f'<b style="color: {pull}">&#8594;</b> spring of the mouse<br>grid: {metric(scene.cell)}<br>'

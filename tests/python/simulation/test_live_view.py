@@ -160,7 +160,7 @@ def test_a_step_waits_for_the_speed_of_a_watched_view():
         assert time.monotonic() - start > 0.4
 
 
-@pytest.mark.parametrize("ending", ["a page", "close"])
+@pytest.mark.parametrize("ending", ["a page draws", "close"])
 def test_the_first_step_of_a_view_with_a_speed_waits_for_a_page_and_says_so(
     ending: str, capsys: pytest.CaptureFixture[str]
 ):
@@ -174,6 +174,9 @@ def test_the_first_step_of_a_view_with_a_speed_waits_for_a_page_and_says_so(
         view.close()
     else:
         view.count_pages(1)
+        assert is_still(world)
+        assert thread.is_alive()
+        view.begin()
     thread.join(PATIENCE)
     assert world.time == pytest.approx(5 * world.time_step)
     told = f"voxshell: open {view.address} to watch; the first step waits 30 s for it\n"

@@ -21,6 +21,20 @@ from voxshell.viewer.live_page import LivePage, find_up
 # Of viser's own handler of the mouse; nothing is lost by it.
 HARMLESS = ("Unable to preventDefault inside passive event listener invocation.",)
 WIDTH, HEIGHT = 900, 560
+# Notes when the page shows a picture that was rendered with the body in it, ms since 1970.
+NOTE_PICTURE = """
+  let before = null;
+  function look() {
+    const player = window.__viserMutable, points = window.__viserTestpoints;
+    const body = player && player.nodeRefFromName && player.nodeRefFromName["BODY"];
+    if (body && points) {
+      before ??= points.rendererInfo.render.frame;
+      if (points.rendererInfo.render.frame > before) return void (window.pictureAt = Date.now());
+    }
+    requestAnimationFrame(look);
+  }
+  requestAnimationFrame(look);
+"""
 
 
 class Watched:
@@ -112,6 +126,42 @@ def test_buttons_pause_step_and_resume_and_a_closed_page_lets_the_run_go_on(watc
         time.sleep(0.05)
     assert watched.view.page_count == 0
     assert watched.view.is_open
+
+
+def test_the_first_step_waits_until_the_page_has_drawn_the_bodies(browser: Browser):
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    ball = world.add(vx.Sphere(0.1), pose=(0, 0, 0.5))
+    stepped_at: list[float] = []
+
+    def run() -> None:
+        world.step()
+        stepped_at.append(1000.0 * time.time())
+
+    with world.view(port=0, speed=1.0, wait=PATIENCE) as view:
+        thread = threading.Thread(target=run)
+        thread.start()
+        page = browser.new_page()
+        page.set_default_timeout(PATIENCE * 1000.0)
+        page.add_init_script(NOTE_PICTURE.replace("BODY", f"/bodies/dynamic {ball.number}"))
+        page.goto(view.address)
+        thread.join(0.5 * PATIENCE)
+        assert not thread.is_alive(), "the page does not say that it has drawn"
+        page.wait_for_function("window.pictureAt")
+        assert page.evaluate("window.pictureAt") <= stepped_at[0]
+        page.close()
+
+
+def test_a_view_of_an_empty_world_begins_when_its_page_has_drawn(browser: Browser):
+    world = vx.World()
+    with world.view(port=0, speed=1.0, wait=PATIENCE) as view:
+        thread = threading.Thread(target=world.step)
+        thread.start()
+        page = browser.new_page()
+        page.goto(view.address)
+        thread.join(0.5 * PATIENCE)
+        assert not thread.is_alive()
+        page.close()
 
 
 def test_a_page_says_when_the_program_makes_no_steps(watched: Watched):
