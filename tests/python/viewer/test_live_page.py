@@ -248,6 +248,54 @@ input()
         page.close()
 
 
+def test_a_page_whose_program_was_killed_says_so_and_tries_ever_less_to_connect_again(
+    browser: Browser,
+):
+    code = """
+import voxshell as vx
+world = vx.World()
+world.add(vx.Sphere(0.1))
+view = world.view(port=0)
+print(view.address, flush=True)
+input()
+"""
+    told: list[str] = []
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        page = browser.new_page()
+        page.set_default_timeout(PATIENCE * 1000.0)
+        page.clock.install()
+        page.on("console", lambda message: told.append(message.text))
+        page.goto(process.stdout.readline().strip())
+        page.get_by_text("waiting for the next step").wait_for()
+        told.clear()
+        process.kill()
+    notice = page.get_by_role("alert")
+    notice.get_by_text("The program has ended without closing this view.").wait_for()
+    assert count_tries(told) <= 2
+    notice.get_by_text("tries to connect again").wait_for()
+    for _ in range(20):
+        page.clock.fast_forward(5_000)  # in which viser asks only once
+        page.wait_for_timeout(100)
+    assert 5 <= count_tries(told) <= 8  # not 20; some time passes beside
+    for _ in range(5):
+        page.clock.fast_forward(100_000)
+        page.wait_for_timeout(300)
+    notice.get_by_text("Close this page.").wait_for()
+    told.clear()
+    for _ in range(5):
+        page.clock.fast_forward(100_000)
+        page.wait_for_timeout(300)
+    assert count_tries(told) == 0
+    page.close()
+
+
+def count_tries(told: list[str]) -> int:
+    return sum("Connecting" in each for each in told)
+
+
 def test_a_drag_lifts_the_body_and_a_release_drops_it(watched: Watched):
     mouse, box = watched.page.mouse, watched.box
     watched.wait(lambda: watched.find_box() != (0.0, 0.0), "the box is not seen")
