@@ -86,6 +86,7 @@ def query(model: vx.Model) -> list[bytes]:
         batch.depths.tobytes(),
         batch.points_b.tobytes(),
         vx.collide_batch(model, model, a_poses=POSES).tobytes(),
+        vx.distance_batch(model, model, a_poses=POSES, threads=3).tobytes(),
         near.point_a.tobytes(),
         wrench.force.tobytes(),
         wrench.torque.tobytes(),

@@ -121,6 +121,8 @@ def test_many_poses():
     assert len(one) > 0
     hits: NDArray[np.bool_] = vx.collide_batch(model, model, b_poses=poses)
     assert hits.all()
+    gaps: NDArray[np.float64] = vx.distance_batch(model, model, b_poses=poses, max_distance=1.0)
+    assert gaps.shape == (3,)
     motion: vx.Sweep = vx.sweep(model, model, None, poses[0], b_end=np.eye(4), tolerance=1e-4)
     assert 0.0 <= motion.fraction <= 1.0
     motions: vx.SweepBatch = vx.sweep_batch(model, model, b_poses=poses, b_ends=np.eye(4))

@@ -3,7 +3,7 @@
 from voxshell.query.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.query.bounds import ContactBounds, contact_bounds
 from voxshell.query.contact_set import Contacts
-from voxshell.query.distances import Distance, distance
+from voxshell.query.distances import Distance, distance, distance_batch
 from voxshell.query.queries import collide, contacts, deepest_per_segment, manifold
 from voxshell.query.scratch import QueryScratch
 from voxshell.query.sweeps import Sweep, SweepBatch, interpolate_pose, sweep, sweep_batch
@@ -25,6 +25,7 @@ __all__ = [
     "contacts_batch",
     "deepest_per_segment",
     "distance",
+    "distance_batch",
     "interpolate_pose",
     "manifold",
     "sweep",

@@ -173,16 +173,18 @@ def say(stage, fraction):
     asked.append(fraction)
 try:
     while True:
-        vx.contacts_batch(model, model, poses, threads={threads}, max_points=1, progress=say)
+        vx.{batch}(model, model, poses, progress=say, {options})
 except KeyboardInterrupt:
     print("interrupted", flush=True)
     sys.exit(7)
 """
 
 
+@pytest.mark.parametrize("batch", ["contacts_batch", "distance_batch"])
 @pytest.mark.parametrize("threads", [1, 4])
-def test_ctrl_c_stops_a_batch(threads: int):
-    program = ASK_FOR_EVER.format(threads=threads)
+def test_ctrl_c_stops_a_batch(threads: int, batch: str):
+    extra = ", max_points=1" if batch == "contacts_batch" else ""
+    program = ASK_FOR_EVER.format(batch=batch, options=f"threads={threads}{extra}")
     child = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -197,11 +199,10 @@ def test_ctrl_c_stops_a_batch(threads: int):
     assert child.returncode == 7
 
 
-def test_other_threads_run_during_a_batch(ball: vx.Model, cube: vx.Model, poses):
+@pytest.mark.parametrize("batch", [vx.collide_batch, vx.distance_batch])
+def test_other_threads_run_during_a_batch(ball: vx.Model, cube: vx.Model, poses, batch):
     many = np.tile(poses[0], (100, 1, 1))
-    thread = threading.Thread(
-        target=lambda: vx.collide_batch(ball, cube, many, shell="a", threads=1)
-    )
+    thread = threading.Thread(target=lambda: batch(ball, cube, many, shell="a", threads=1))
     thread.start()
     ticks, start = 0, time.perf_counter()
     while thread.is_alive():

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 import trimesh
@@ -90,6 +92,70 @@ def test_far_apart_it_is_the_distance_of_the_origins(ball: vx.Model, cube: vx.Mo
         for other in (cube, vx.Box((1, 1, 1)), vx.Sphere(1.0), vx.Plane()):
             nearest = vx.distance(ball, other, at(z=far))
             np.testing.assert_allclose(nearest.distance, far, rtol=0.01)
+
+
+@pytest.mark.parametrize("shell", ["auto", "a", "b", "both"])
+@pytest.mark.parametrize("threads", [None, 1, 3])
+def test_a_batch_of_distances_is_its_poses_one_by_one(
+    ball: vx.Model, cube: vx.Model, shell: str, threads: int | None
+):
+    rng = np.random.default_rng(5)
+    poses = np.array([
+        at(*rng.uniform(-0.9, 0.9, 3)) @ turned(tuple(rng.normal(size=3)), rng.uniform(0, 3))
+        for _ in range(150)
+    ])  # fmt: skip
+    other = at(0.02, 0.01, 0.0)
+    for options in ({}, {"max_distance": 0.1}):
+        found = vx.distance_batch(ball, cube, poses, other, shell=shell, threads=threads, **options)
+        alone = [
+            vx.distance(ball, cube, pose, other, shell=shell, **options).distance for pose in poses
+        ]
+        assert found.dtype == np.float64
+        np.testing.assert_array_equal(found, alone)
+    assert 20 < np.isinf(found).sum() < 130
+    assert 10 < (found < 0.0).sum() < 100
+
+
+def test_a_batch_of_distances_of_one_pose_or_none(ball: vx.Model):
+    assert vx.distance_batch(ball, vx.Plane(), np.empty((0, 4, 4))).shape == (0,)
+    pose = at(z=0.3)
+    alone = vx.distance(ball, vx.Plane(), pose).distance
+    for one in (pose, (0, 0, 0.3), pose[None]):
+        np.testing.assert_array_equal(vx.distance_batch(ball, vx.Plane(), one), [alone])
+    three = vx.distance_batch(ball, vx.Plane(), pose, np.tile(np.eye(4), (3, 1, 1)))
+    np.testing.assert_array_equal(three, [alone] * 3)
+    nearly = pose.copy()
+    nearly[0, 0] = 1.0 + 4e-4  # is corrected, as everywhere
+    mended = vx.distance_batch(ball, vx.Plane(), [nearly])
+    assert mended[0] == vx.distance(ball, vx.Plane(), nearly).distance
+
+
+def test_a_batch_of_distances_that_can_start_no_thread_is_a_typed_error(
+    ball: vx.Model, monkeypatch: pytest.MonkeyPatch
+):
+    def start(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", start)
+    with pytest.raises(vx.MemoryLimitError, match="no more memory"):
+        vx.distance_batch(ball, vx.Plane(), np.zeros((100, 3)))
+
+
+def test_a_stopped_batch_of_distances_leaves_no_thread_at_work(ball: vx.Model, cube: vx.Model):
+    poses = np.tile(at(z=0.65), (200_000, 1, 1))
+    before = threading.active_count()
+    said: list[float] = []
+
+    def stop(stage: str, fraction: float) -> None:
+        assert stage == "distances"
+        said.append(fraction)
+        if len(said) == 3:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        vx.distance_batch(ball, cube, poses, shell="both", progress=stop)
+    assert 0.0 <= said[0] < said[-1] < 1.0
+    assert threading.active_count() == before
 
 
 @pytest.mark.parametrize("wrong", [np.nan, -np.inf, 1e300, "1", None, [0.1], 1j])

@@ -168,6 +168,7 @@ def test_a_mesh_is_no_body_and_the_error_says_how_to_build_one(ball: vx.Model, b
 @pytest.mark.parametrize("query", [vx.contacts, vx.distance])
 def test_many_poses_for_a_single_query_are_refused_with_the_queries_of_many(ball: vx.Model, query):
     with pytest.raises(
-        vx.PoseError, match=r"for many poses, call contacts_batch\(\) or collide_batch"
+        vx.PoseError,
+        match=r"for many poses, call contacts_batch\(\), collide_batch\(\) or distance_batch",
     ):
         query(ball, ball, a_pose=np.tile(np.eye(4), (3, 1, 1)))

@@ -153,6 +153,9 @@ def list_calls() -> dict[str, Call]:
         "collide_batch": Call(
             vx.collide_batch, {"a": ball, "b": ball, "a_poses": poses, "margin": 0.01}
         ),
+        "distance_batch": Call(
+            vx.distance_batch, {"a": ball, "b": ball, "a_poses": poses, "max_distance": 1.0}
+        ),
         "sample": Call(ball.field.sample, {"points": points}),
         "gradient": Call(vx.Box((0.1, 0.1, 0.1)).gradient, {"points": points}),
         "from_mesh": Call(build, {"vertices": vertices, "faces": faces, "resolution": 6}),
