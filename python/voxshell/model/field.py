@@ -85,7 +85,9 @@ class DistanceField(Field):
     """The distance field of a model: distances at the nodes of a sparse grid, trilinear in between.
 
     The grid is fine near the surface and coarser far from it. Outside the grid, the distance is
-    estimated from the nearest point of the grid.
+    estimated from the nearest point of the grid. The error of the estimate is less than the
+    distance of that point from the surface, and does not grow with the distance from the grid;
+    :func:`voxshell.distance` states the bound.
 
     Example:
         >>> import trimesh

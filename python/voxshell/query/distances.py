@@ -78,10 +78,15 @@ def distance(
 
     This is the smallest distance of any shell element from the other body's surface. Apart from the
     error of a model's field, it is never less than the true distance of the meshes, and exceeds it
-    by at most sqrt(3) spacings of the shell. If the nearest point lies outside the grid of the
-    other model's field (by default 16 voxels around it), the error may be as large as the distance
-    between surface and rim of the grid. If bodies overlap, the distance is minus the depth of the
-    deepest of the :func:`contacts`, bit for bit.
+    by at most sqrt(3) spacings of the shell. If bodies overlap, the distance is minus the depth of
+    the deepest of the :func:`contacts`, bit for bit.
+
+    Outside the grid of a model's field (by default 16 voxels around the model), distances are
+    estimates. Take a shell point, the place of the grid nearest to it, their distance r, and the
+    distance D of that place from the surface, which :meth:`DistanceField.sample` returns. The true
+    distance of the shell point and the estimate both lie between sqrt(r² + D²) and r + D, apart from
+    the error of D. Therefore the error of the estimate is less than r and less than D. It does not
+    grow with the distance of the bodies. Analytic shapes have no grid and are exact everywhere.
 
     Args:
         a: A :class:`Model`, or an analytic shape such as :class:`Plane` or :class:`Capsule`.

@@ -169,6 +169,59 @@ def test_infinity_of_any_type_is_taken(ball: vx.Model):
         assert vx.distance(ball, vx.Plane(), max_distance=infinity).distance < 0.0
 
 
+def distance_to(half: tuple[float, float, float] | None, points: np.ndarray) -> np.ndarray:
+    """Distances of (k, 3) points from a box of half extents, or from a sphere of 0.1 m, both at the origin."""
+    if half is None:
+        return np.linalg.norm(points, axis=1) - 0.1
+    beyond = np.abs(points) - half
+    return np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0)
+
+
+def largest_gap(
+    model: vx.Model, half: tuple[float, float, float] | None, points: np.ndarray
+) -> float:
+    """The stated bound at the worst of (k, 3) points, body frame: r + D less the root of their squares."""
+    field = model.field
+    high = field.origin + (np.array(field.shape) - 1) * field.voxel_size
+    nearest = np.clip(points, field.origin, high)
+    r, d = np.linalg.norm(points - nearest, axis=1), distance_to(half, nearest)
+    gaps = np.where(r > 0.0, r + d - np.hypot(r, d), 0.0)
+    assert (gaps <= np.minimum(r, np.abs(d)) + 1e-12).all()
+    return float(gaps.max())
+
+
+@pytest.mark.parametrize("half", [(0.1, 0.1, 0.1), (0.1, 0.03, 0.01), None])
+@pytest.mark.parametrize("settings", [{"voxel_size": 0.005}, {}])
+@pytest.mark.parametrize("times", [1, 3, 10, 30, 100])
+def test_far_apart_distances_keep_to_the_stated_bound(half, settings, times: int):
+    sphere = trimesh.creation.icosphere(4, 0.1)
+    mesh = sphere if half is None else trimesh.creation.box(2.0 * np.array(half))
+    body, ball = (vx.Model.from_mesh(each, **settings) for each in (mesh, sphere))
+    facets = 2e-4  # how far the middles of facets are within the sphere
+    assert np.linalg.norm(sphere.triangles_center, axis=1).min() > 0.1 - facets
+    random = np.random.default_rng(times)
+    off = 0.0
+    for _ in range(20):
+        direction = random.normal(size=3)
+        center = direction / np.linalg.norm(direction) * (0.2 * times + 0.2)
+        pose = at(*center) @ turned(tuple(random.normal(size=3)), random.uniform(0.0, 3.0))
+        true = distance_to(half, center[None])[0] - 0.1
+        of_ball = ball.shell.points @ pose[:3, :3].T + pose[:3, 3]
+        of_body = (body.shell.points - pose[:3, 3]) @ pose[:3, :3]
+        for shell, model, shape, points in (
+            ("a", ball, None, of_body),
+            ("b", body, half, of_ball),
+        ):
+            found = vx.distance(body, ball, None, pose, shell=shell).distance
+            bound = largest_gap(model, shape, points)
+            rounding = 2.0 * facets + 8.0 * model.field.interpolation_error + 2e-6 * true
+            of_points = distance_to(shape, points).min()
+            assert true - bound - rounding <= found <= of_points + bound + rounding
+            off = max(off, found - of_points, of_points - found)
+            assert bound < 0.3  # as far as the corners of the grids are from the surface
+    assert off < 0.05
+
+
 @pytest.mark.parametrize("extents", [(0.2, 0.1, 0.3), (1.0, 0.02, 0.02), None])
 @pytest.mark.parametrize("settings", [{"voxel_size": 0.005}, {}])
 def test_beyond_the_grid_distances_keep_to_the_stated_bound(extents, settings):
