@@ -170,14 +170,17 @@ def draw_peers(path: Path) -> Path:
         1, 2, figsize=(9.6, 4.0), layout="constrained", sharey=True
     )
     places = range(len(names))
-    left.barh(places, took, color=colors, height=0.66)
-    left.set(xscale="log", xlim=(2, 4e5), xlabel="time of a query, log scale", yticks=places)
+    # Dots, because a logarithmic axis has no zero from which bars could begin.
+    left.hlines(places, 2, 1e6, color="#e3e8ee", linewidth=1.0, zorder=0)
+    left.scatter(took, places, color=colors, s=80)
+    left.set(xscale="log", xlim=(2, 1e6), xlabel="time of a query, log scale", yticks=places)
     left.set_yticklabels([ENGINES[name] for name in names])
     left.set_xticks([10, 100, 1e3, 1e4, 1e5], ["10 µs", "0.1 ms", "1 ms", "10 ms", "100 ms"])
     left.invert_yaxis()
     for place, value in enumerate(took):
         label = f"{value:.3g} µs" if value < 1e3 else f"{value / 1e3:.3g} ms"
-        left.text(value * 1.15, place, label, va="center")
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+        left.text(value * 1.5, place, label, va="center", bbox=box)
     right.barh(places, [value or 0.0 for value in deep], color=colors, height=0.66)
     right.axvline(TRUE_DEPTH, color="#c2185b", linewidth=1.4)
     label = f"true depth {TRUE_DEPTH:g} mm"
