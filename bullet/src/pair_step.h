@@ -33,7 +33,7 @@ struct PairStep {
   bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
   bool solver_turns_contacts;  ///< ContactSettings::solver_turns_contacts
   double restitution;          ///< of the two objects
-  double owed_energy;          ///< of a rebound that the last step stopped at the surface, J/kg
+  double owed_energy;          ///< of a rebound that the last step stopped at the surface, m2/s2
   Pose field_from_shell;
   RelativeMotion motion;  ///< of the shell as the field sees it, in the shell's frame
   /// The same if something else stops the field's body, or the shell's.

@@ -61,8 +61,8 @@ class Rebounding {
 /// The speed apart that a step ends with.
 struct Rebound {
   double speed;  ///< m/s
-  /// J/kg along the normal: where the rebound's apex is below the place where the step begins, the
-  /// body stops at the surface, and the next step gives it this energy.
+  /// Twice the energy per mass along the normal, m2/s2: where the rebound's apex is below the place
+  /// where the step begins, the body stops at the surface, and the next step gives it this energy.
   double owed_energy;
 };
 

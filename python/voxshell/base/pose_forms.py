@@ -129,7 +129,8 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
         (4,): "; for a rotation alone, call voxshell.pose(xyzw=...)",
     }.get(array.shape, "")
     if array.ndim == 3 and array.shape[1:] == _MATRIX:
-        hint = "; for many poses, call contacts_batch(), collide_batch() or distance_batch(), or pass one after the other"
+        batches = "contacts_batch(), collide_batch() or distance_batch()"
+        hint = f"; for many poses, call {batches}, or pass one after the other"
     raise PoseError(f"{name} must be {_FORMS}, not {show_array(array)}{hint}")
 
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-from collections import deque
-from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,15 +11,8 @@ import numpy as np
 from voxshell import _core
 from voxshell.base.arguments import as_threads, check_callable
 from voxshell.base.calls import explain_calls
-from voxshell.base.pose_forms import (
-    as_pose,
-    as_pose_arrays,
-    make_all_rigid,
-    make_rigid,
-    mend_poses,
-    read_poses,
-)
-from voxshell.errors import MemoryLimitError, PoseError
+from voxshell.base.pose_forms import as_pose, as_pose_arrays, mend_poses
+from voxshell.errors import PoseError
 from voxshell.query.pairs import Collidable, Shell, as_margin, as_pair, as_scratch
 
 if TYPE_CHECKING:
@@ -32,12 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.query.scratch import QueryScratch
-
-_TOGETHER = 16
-"""Poses that a thread of a batch takes at a time: few, so that a batch stops at once."""
-
-_REPORT_EVERY = 0.05
-"""Seconds between reports of progress."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -187,8 +171,7 @@ def distance_batch(
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite. The
             message says which.
         SettingsError: As for :func:`distance`; or the numbers of poses differ.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``progress`` cannot be called.
-        MemoryLimitError: The system has no memory for another thread.
+        InputTypeError: ``a`` or ``b`` is not a body.
 
     Example:
         >>> import numpy as np
@@ -200,85 +183,30 @@ def distance_batch(
         >>> vx.distance_batch(ball, vx.Plane(), world_from_ball).round(4)
         array([ 0.25,  0.05, -0.05])
     """
+    count, (of_a, of_b) = as_pose_arrays(a_poses=a_poses, b_poses=b_poses)
     bodies, shells = as_pair(a, b, shell)
-    farthest = _as_max_distance(max_distance)
-    number = as_threads(threads) or os.cpu_count() or 1
     check_callable(progress, "progress")
-    count, arrays = as_pose_arrays(
-        a_poses=_make_rigid(a_poses, "a_poses"), b_poses=_make_rigid(b_poses, "b_poses")
-    )
-    of_a, of_b = (
-        np.broadcast_to(np.eye(4) if each is None else each, (count, 4, 4)) for each in arrays
-    )
-    found = np.full(count, math.inf)
-
-    def ask(indices: range, scratch: _core.QueryScratch) -> None:
-        for i in indices:
-            nearest = _core.distance(*bodies, of_a[i], of_b[i], shells, farthest, scratch)
-            if nearest is not None:
-                found[i] = nearest[0]
-
-    _share(count, number, ask, progress)
-    return found
-
-
-def _make_rigid(poses: ArrayLike | None, name: str) -> NDArray[np.float64] | None:
-    """Return one pose or many as the core accepts them."""
-    if poses is None:
-        return None
-    given = read_poses(poses, name)
-    return make_rigid(given, name) if given.ndim == 2 else make_all_rigid(given, name)
-
-
-def _share(
-    count: int,
-    threads: int,
-    ask: Callable[[range, _core.QueryScratch], None],
-    progress: Callable[[str, float], object] | None,
-) -> None:
-    """Call ``ask`` for all of ``range(count)`` in threads: queries of the core release the GIL.
-
-    Args:
-        count: Number of indices.
-        threads: Largest number of threads.
-        ask: Called with a few indices and the scratch of its thread.
-        progress: Called from this thread; what it raises ends the work.
-    """
-    parts = [range(i, min(i + _TOGETHER, count)) for i in range(0, count, _TOGETHER)]
-    waiting = deque(parts)
-
-    def work() -> None:
-        scratch = _core.QueryScratch()
-        while waiting:
-            try:
-                indices = waiting.popleft()
-            except IndexError:  # another thread has just taken the last
-                return
-            ask(indices, scratch)
-
-    number = min(threads, len(parts))
-    with ThreadPoolExecutor(max(number, 1)) as pool:
-        try:
-            workers = _start(pool, work, number)
-            while wait(workers, timeout=_REPORT_EVERY).not_done:
-                if progress is not None:
-                    progress("distances", 1.0 - len(waiting) / len(parts))
-        except BaseException:
-            waiting.clear()
-            raise
-    for worker in workers:
-        worker.result()
-    if progress is not None:
-        progress("distances", 1.0)
-
-
-def _start(pool: ThreadPoolExecutor, work: Callable[[], None], count: int) -> list[Future[None]]:
     try:
-        return [pool.submit(work) for _ in range(count)]
-    except RuntimeError as error:  # a thread cannot start
-        raise MemoryLimitError(
-            "the system gives no more memory; use a coarser model, or fewer threads"
-        ) from error
+        return _core.distance_batch(
+            *bodies,
+            count,
+            of_a,
+            of_b,
+            shells,
+            _as_max_distance(max_distance),
+            as_threads(threads),
+            progress,
+        )
+    except PoseError as error:
+        return distance_batch(
+            a,
+            b,
+            **mend_poses(error, a_poses=a_poses, b_poses=b_poses),
+            shell=shell,
+            max_distance=max_distance,
+            threads=threads,
+            progress=progress,
+        )
 
 
 def _as_max_distance(value: Any) -> float:

@@ -153,12 +153,15 @@ TEST(ModelAlgorithm, PutsIntoManifoldsWhatWasPrepared) {
 
 TEST(ModelAlgorithm, SearchesOnlyOnceTheBodiesHaveMoved) {
   constexpr double kMargin = 1e-3;
-  for (const ContactMode mode : {ContactMode::kAutomatic, ContactMode::kSegmented}) {
+  const ContactSettings automatic{.margin = kMargin};
+  const ContactSettings fewest{.shell = ShellRule::kFewest, .margin = kMargin};
+  const ContactSettings segmented{.mode = ContactMode::kSegmented, .margin = kMargin};
+  for (const ContactSettings& settings : {automatic, fewest, segmented}) {
     // A point of each segment is what segments promise, so these always search.
-    const bool keeps = mode == ContactMode::kAutomatic;
+    const bool keeps = settings.mode == ContactMode::kAutomatic;
     TestWorld world({}, {});
     btRigidBody& brick = world.add_model(brick_model(), 1);
-    Pair pair(world, brick, add_plane(world), {.mode = mode, .margin = kMargin});
+    Pair pair(world, brick, add_plane(world), settings);
     double depth = 0.001;
     for (const auto& [sinks, searches] :
          {std::pair(0.0, true), std::pair(0.0, !keeps), std::pair(0.09 * kMargin, !keeps),

@@ -43,6 +43,7 @@ SWEEP = """
         "build": lambda: vx.Model.from_mesh(mesh, resolution=120, threads=4),
         "contacts_batch": lambda: vx.contacts_batch(ball, ball, a_poses=poses, threads=4),
         "collide_batch": lambda: vx.collide_batch(ball, ball, a_poses=poses, threads=4),
+        "distance_batch": lambda: vx.distance_batch(ball, ball, a_poses=poses, threads=4),
         "simulate": simulate,
         "simulate on threads": lambda: simulate(4),
     }
@@ -84,7 +85,8 @@ def sweep(work: str, limits: list[int]) -> list[int]:
 
 
 @pytest.mark.parametrize(
-    ("work", "most"), [("build", 60), ("contacts_batch", 600), ("collide_batch", 10)]
+    ("work", "most"),
+    [("build", 60), ("contacts_batch", 600), ("collide_batch", 10), ("distance_batch", 10)],
 )
 def test_out_of_memory_in_a_helper_thread_is_a_typed_error(work: str, most: int):
     limits = [most * 1_000_000 * (i + 1) // 20 for i in range(20)]

@@ -130,17 +130,6 @@ def test_a_batch_of_distances_of_one_pose_or_none(ball: vx.Model):
     assert mended[0] == vx.distance(ball, vx.Plane(), nearly).distance
 
 
-def test_a_batch_of_distances_that_can_start_no_thread_is_a_typed_error(
-    ball: vx.Model, monkeypatch: pytest.MonkeyPatch
-):
-    def start(thread: threading.Thread) -> None:
-        raise RuntimeError("can't start new thread")
-
-    monkeypatch.setattr(threading.Thread, "start", start)
-    with pytest.raises(vx.MemoryLimitError, match="no more memory"):
-        vx.distance_batch(ball, vx.Plane(), np.zeros((100, 3)))
-
-
 def test_a_stopped_batch_of_distances_leaves_no_thread_at_work(ball: vx.Model, cube: vx.Model):
     poses = np.tile(at(z=0.65), (200_000, 1, 1))
     before = threading.active_count()
