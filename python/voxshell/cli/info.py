@@ -187,11 +187,11 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
 
     best = recommend(estimates)
     fields = new_table(
-        *("voxel", "along", "field", MEASURED_FIELD, "proved", "to build"),
+        *("voxel", "along", "field", MEASURED_FIELD, "proven", "build"),
         title="Field, by voxel size",
     )
     shells = new_table(
-        *("spacing", "points", MEASURED_SHELL, "proved", "contacts", "yes or no"),
+        *("spacing", "points", MEASURED_SHELL, "proven", "contacts", "yes or no"),
         title="Shell, by point spacing",
     )
     for each in estimates:
@@ -238,13 +238,15 @@ def _explain(estimates: list[Estimate], build: str) -> str:
     best = recommend(estimates)
     return "\n".join(
         [
-            f"{MEASURED_FIELD:16} measured: 99 % of the surface has a smaller error",
-            f"{MEASURED_SHELL:16} measured: the shell misses less depth on 99 % of the surface",
-            f"{'proved':16} proven bound of that error; of the distance to the shell",
-            f"{'to build':16} field and shell of that size, on this machine",
-            f"{'contacts':16} median of two such bodies that touch; likewise yes or no",
-            f"{'~':16} extrapolated from coarser models",
-            f"{'*':16} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
+            f"{'along':14} number of voxels along the longest side",
+            f"{MEASURED_FIELD:14} measured: 99 % of the surface has a smaller error",
+            f"{MEASURED_SHELL:14} measured: the shell misses less depth on 99 % of the surface",
+            f"{'proven':14} proven bound of the field error, or of the distance to the shell",
+            f"{'build':14} time to build a field and a shell of that size on this machine",
+            f"{'contacts':14} median time to find the contacts of two such bodies that touch",
+            f"{'yes or no':14} median time to find out whether they touch",
+            f"{'~':14} extrapolated from coarser models",
+            f"{'*':14} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
             f"and {format_time(MOST_QUERY_SECONDS)}:",
             f"{build} --voxel-size {best.size:.4g}",
         ]

@@ -166,7 +166,9 @@ class World(ViewedWorld):
         as_choice(contact, "contact", _CONTACT_MODES)
         as_choice(shell, "shell", _SHELL_RULES)
         if level is not None and contact == "regular":
-            raise SettingsError("level is for segmented contacts; leave it out or change contact")
+            raise SettingsError(
+                "level has no effect with contact='regular'; leave it out, or pass contact='segmented'"
+            )
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
         acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")

@@ -395,7 +395,7 @@ class WorldContents:
         self._check_own(a, "a")
         self._check_own(b, "b")
         if a is b:
-            raise SettingsError(f"a and b are both {a.name!r}")
+            raise SettingsError(f"a and b are both {a.name!r}; pass two different bodies")
 
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):

@@ -58,7 +58,7 @@ class WorldPart:
 def check_own(part: WorldPart, simulation: _bullet.Simulation) -> None:
     """Refuse a body or joint of another world, or one that was removed."""
     if part._simulation is not simulation:
-        raise SettingsError(f"{part._title} belongs to another world")
+        raise SettingsError(f"{part._title} belongs to another world; pass one of this world")
 
 
 def refuse_added(body: WorldPart, simulation: _bullet.Simulation) -> NoReturn:
