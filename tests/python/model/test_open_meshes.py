@@ -30,7 +30,9 @@ def quietly(mesh: trimesh.Trimesh, **options: object) -> vx.Model:
 
 
 def test_a_tube_lets_a_ball_through_and_collides_from_both_sides():
-    with pytest.warns(vx.MeshWarning, match="2 of them are ends of a tube, so voxshell kept it") as said:
+    with pytest.warns(
+        vx.MeshWarning, match="2 of them are ends of a tube, so voxshell kept it"
+    ) as said:
         model = vx.Model.from_mesh(tube())
     [warning] = said
     for words in (
