@@ -348,7 +348,9 @@ class WorldContents:
             self._check_own(parent, "parent")
         self._check_own(child, "child")
         if parent is child:
-            raise SettingsError(f"parent and child are both {child.name!r}")
+            raise SettingsError(
+                f"parent and child are both {child.name!r}; pass another parent, or None for the world"
+            )
         if child.motion != "dynamic" and (parent is None or parent.motion != "dynamic"):
             raise SettingsError(
                 "a joint needs a body that can move: "

@@ -25,7 +25,7 @@ class WorldPart:
         """A name for people; settable.
 
         Raises:
-            InputTypeError: The new name is not a text.
+            InputTypeError: The new name is not a string.
         """
         return self._name
 

@@ -80,7 +80,7 @@ COMMANDS = [
     ("query cone.vxs cone.vxs --pose 0 0 0 1 1 0 0", "has the length 1.41421 instead of 1"),
     (
         "query cone.vxs cone.vxs --pose 0 0 nan",
-        "pose: its position has an entry that is not finite",
+        "pose: the position has an entry that is not finite",
     ),
     (
         "query cone.vxs cone.vxs --pose 2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1",
