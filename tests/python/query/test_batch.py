@@ -247,7 +247,7 @@ def test_unequal_numbers_of_poses_are_refused(ball: vx.Model, batch):
     a, b = np.tile(np.eye(4), (3, 1, 1)), np.tile(np.eye(4), (4, 1, 1))
     with pytest.raises(vx.SettingsError, match=r"same number of poses.*3 and 4"):
         batch(ball, vx.Plane(), a, b)
-    with pytest.raises(vx.SettingsError, match=r"equally many.*3 and 1"):
+    with pytest.raises(vx.SettingsError, match=r"same number of poses.*3 and 1"):
         batch(ball, vx.Plane(), a, b[:1])
 
 
