@@ -80,7 +80,7 @@ def info(
         longest = float(np.ptp(model.bounds, axis=0).max())
         tolerance = choose_tolerance(longest, model.thickness)
         facts = describe_facts(model)
-        facts.append(("center of mass", _format_point(matter.center_of_mass)))
+        facts.append(("center of mass", f"{_format_point(matter.center_of_mass)} m"))
         facts.append(("file", format_size(file.stat().st_size)))
     else:
         require_file(file)
@@ -103,7 +103,7 @@ def info(
         console.print(
             f"\nFor most uses, build to the default tolerance, {format_length(tolerance)}; a larger one makes\n"
             f"a smaller model:\n{build}\n{build} --tolerance {2.0 * tolerance:.2g}\n\n"
-            "Uniform models have one size of voxels everywhere, and no elements for edges:",
+            "Uniform models have one voxel size everywhere, and no edge segments:",
             soft_wrap=True,
         )
         for table in _make_tables(estimates):
@@ -238,15 +238,15 @@ def _explain(estimates: list[Estimate], build: str) -> str:
     best = recommend(estimates)
     return "\n".join(
         [
-            f"{'along':14} number of voxels along the longest side",
-            f"{MEASURED_FIELD:14} measured: 99 % of the surface has a smaller error",
-            f"{MEASURED_SHELL:14} measured: the shell misses less depth on 99 % of the surface",
-            f"{'proven':14} proven bound of the field error, or of the distance to the shell",
-            f"{'build':14} time to build a field and a shell of that size on this machine",
-            f"{'contacts':14} median time to find the contacts of two such bodies that touch",
-            f"{'yes or no':14} median time to find out whether they touch",
-            f"{'~':14} extrapolated from coarser models",
-            f"{'*':14} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
+            f"{'along':15} number of voxels along the longest side",
+            f"{MEASURED_FIELD:15} measured: 99 % of the surface has a smaller error",
+            f"{MEASURED_SHELL:15} measured: the shell misses less depth on 99 % of the surface",
+            f"{'proven':15} proven bound of the field error, or of the distance to the shell",
+            f"{'build':15} time to build a field and a shell of that size on this machine",
+            f"{'contacts':15} median time to find the contacts of two such bodies that touch",
+            f"{'yes or no':15} median time to find out whether they touch",
+            f"{'~':15} extrapolated from coarser models",
+            f"{'*':15} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
             f"and {format_time(MOST_QUERY_SECONDS)}:",
             f"{build} --voxel-size {best.size:.4g}",
         ]
