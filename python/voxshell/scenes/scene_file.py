@@ -110,8 +110,9 @@ def _for_meshes(path: Path) -> str:
         'ground = { shape = "plane" }',
     )
     return (
-        f"if it is a mesh, {drop}run voxshell simulate scene.toml --out result with a file scene.toml of five "
-        f"lines, and scale = 0.001 after the second for a mesh in millimeters: {' | '.join(lines)}"
+        f"if it is a mesh, {drop}write a file scene.toml and run voxshell simulate scene.toml --out result; it "
+        "needs these five lines, separated by |, and scale = 0.001 after the second for a mesh in millimeters: "
+        f"{' | '.join(lines)}"
     )
 
 
