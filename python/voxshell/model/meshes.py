@@ -148,7 +148,9 @@ def _read_unit(mesh: Any) -> float:
     try:
         unit = float(unit_conversion(stated, "meters"))
     except (KeyError, ValueError) as error:
-        raise MeshError(f"mesh.units is {stated!r}, which is not a unit of length; pass scale=") from error
+        raise MeshError(
+            f"mesh.units is {stated!r}, which is not a unit of length; pass scale="
+        ) from error
     if not (np.isfinite(unit) and unit > 0.0):
         raise MeshError(f"mesh.units is {stated!r}, which is not a unit of length; pass scale=")
     return float(f"{unit:.12g}")  # trimesh converts by way of inches

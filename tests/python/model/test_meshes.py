@@ -389,7 +389,7 @@ def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monke
 
 
 def test_an_address_is_not_fetched():
-    with pytest.raises(vx.MissingFileError, match="does not exist"):
+    with pytest.raises(vx.MissingFileError, match="it is a URL; download it"):
         build("https://example.com/bunny.stl")
 
 
