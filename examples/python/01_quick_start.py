@@ -1,7 +1,7 @@
 """Quick start: where two rings touch.
 
-Two rings are linked, one hanging in the other. Each is made ready once, then asked at any pose: do they
-touch, where, how deep, and how far is it to the next touch?
+Two rings are linked: one hangs in the other. The program builds their model once and queries it in several poses:
+whether the rings touch, where, how deep, and how far apart they are.
 """
 
 import numpy as np
@@ -15,13 +15,13 @@ ring = vx.Model.from_mesh(trimesh.creation.torus(0.04, 0.01), voxel_size=0.001)
 
 
 def hang(drop):
-    """A pose: upright, its middle below the first one's, which lies flat, through its opening."""
+    """The pose of the upright ring, which passes through the flat one; drop: from center to center, meters."""
     pose = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
     pose[:3, 3] = 0.04, 0.0, -drop
     return pose
 
 
-# The bars, 20 mm thick, touch when the upper edge of the hole has come down to the flat ring's bar.
+# The rings are 20 mm thick. They touch once the upright ring has dropped by 20 mm.
 drop = 0.0202
 contacts = vx.contacts(ring, ring, b_pose=hang(drop))
 four = contacts.manifold(4)
@@ -34,7 +34,7 @@ tell(
         "points_of_each_ring": len(ring.shell),
         "contacts": len(contacts),
         "deepest_mm": 1e3 * float(contacts.depths.max()),
-        "four_that_a_solver_would_get": len(four),
+        "points_for_a_solver": len(four),
         "they_touch": vx.collide(ring, ring, b_pose=hang(drop)),
     },
 )
@@ -48,7 +48,7 @@ plot(
     y_label="distance, mm (negative: overlap)",
 )
 
-world = vx.World()  # the same two, with gravity: one falls until it hangs in the other
+world = vx.World()  # with gravity, the upright ring falls until it hangs in the flat one
 world.add(ring, mass=0, name="flat ring")
 world.add(ring, mass=0.1, pose=hang(0.0), name="hanging ring")
 recorder = world.record(every=2)

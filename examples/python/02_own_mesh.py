@@ -1,7 +1,7 @@
-"""A mesh of your own: what voxshell makes of it.
+"""A mesh of your own: inspect its model.
 
-`--mesh part.stl --scale 0.001` takes a file in millimeters; without it a part with a dent is written first,
-with a hole in its surface, as scanned meshes have them. Prints what is worth knowing before use.
+`--mesh part.stl --scale 0.001` reads a file in millimeters. Without it, the program writes a part that has a dent
+and, like many scanned meshes, a hole in its surface. It prints what you should check before you use a model.
 """
 
 import warnings
@@ -43,9 +43,9 @@ tell(
         "points": len(model.shell),
         "voxel_size_mm": 1e3 * model.field.voxel_size,
         "field_MB": model.field.nbytes / 1e6,
-        "inside_told_by": model.field.sign_method,
-        "of_which_it_is_sure_to": model.field.sign_confidence,
-        "overlap_that_is_always_seen_mm": 1e3 * bounds.overlap,
+        "sign_method": model.field.sign_method,
+        "sign_confidence": model.field.sign_confidence,
+        "overlap_that_is_always_found_mm": 1e3 * bounds.overlap,
     },
 )
 model.save(options.out / "part.vxs")
@@ -62,7 +62,7 @@ axes.set(aspect="equal", xlabel="x, mm", ylabel="z, mm")
 figure.colorbar(shades, label="signed distance, mm")
 figure.savefig(options.out / "plot.png", dpi=110, bbox_inches="tight")
 
-world = vx.World()  # and how it falls
+world = vx.World()
 world.add(vx.Plane(), mass=0, name="ground")
 pose = trimesh.transformations.rotation_matrix(0.5, (1, 0.3, 0))
 pose[2, 3] = 1.5 * np.linalg.norm(high - low)

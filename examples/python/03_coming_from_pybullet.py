@@ -1,7 +1,7 @@
 """Coming from pybullet: a ring that falls over a post.
 
-The same calls in the same order, pybullet's in comments. pybullet makes a convex hull of a dynamic mesh, which
-closes the ring: it lies on top of the post. As a model it falls over the post, down to the ground.
+The comments show the calls of pybullet, in the same order. pybullet makes a convex hull of a dynamic mesh. This
+closes the ring, which then lies on top of the post. A model of the ring falls over the post to the ground.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ post = vx.Model.from_mesh(trimesh.creation.cylinder(0.03, 0.1), voxel_size=0.002
 
 
 def drop(shape):
-    """World, ring and heights after each step, of a ring made of a shape."""
+    """Drops a ring of a shape; returns the world, the ring, its recorder and its height after each step."""
     # p.connect(p.DIRECT); p.setGravity(0, 0, -9.81); p.setTimeStep(1 / 240)
     world = vx.World(gravity=(0, 0, -9.81), time_step=1 / 240)
     # p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE))
@@ -42,7 +42,7 @@ _, hull, _, hull_heights = drop(vx.ConvexHull(mesh.vertices))
 model = vx.Model.from_mesh(mesh, voxel_size=0.002)
 world, ring, recorder, heights = drop(model)
 
-contacts = world.contacts()  # p.getContactPoints(ring): arrays, not tuples
+contacts = world.contacts()  # p.getContactPoints(ring) returns tuples, this a structured array
 tell(
     options.out,
     {

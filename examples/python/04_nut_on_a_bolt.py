@@ -1,8 +1,8 @@
 """A nut on a bolt: a motor turns it down three turns of its thread.
 
-The thread has 0.4 mm of clearance along the radius. Nothing but contacts guides the nut: it must go down one
-pitch a turn, never touch deeper than a fraction of the clearance, and never leave the axis by more
-than the clearance. Friction of 0.25 holds the nut where it is: it is the motor that moves it.
+The thread has 0.4 mm of radial clearance. Only contacts guide the nut. It must descend by one pitch per turn, its
+contacts must be no deeper than a fraction of the clearance, and it must stay within the clearance of the axis. At a
+friction of 0.25, the nut does not turn by itself: the motor drives it.
 """
 
 import numpy as np
@@ -15,11 +15,11 @@ from trimesh.transformations import rotation_matrix
 TURNS, SPEED, TORQUE = 3.0, 2.0, 0.01  # turns, turns/s, N m at most
 RATE, MASS = 1000.0, 0.05
 RADIUS, DEPTH, PITCH, CLEARANCE = 0.010, 0.0015, 0.006, 0.0004  # of the thread, meters
-HEAD, LENGTH, HEIGHT = 0.006, 0.048, 0.009  # of the bolt's head and thread, and of the nut
+HEAD, LENGTH, HEIGHT = 0.006, 0.048, 0.009  # heights of the bolt's head, its thread and the nut
 
 
 def measure_turns(pose):
-    """The angle about z of a pose, in turns, -0.5 to 0.5."""
+    """Returns the angle of a pose about z, in turns from -0.5 to 0.5."""
     return np.arctan2(pose[1, 0], pose[0, 0]) / (2.0 * np.pi)
 
 
@@ -32,7 +32,7 @@ bolt, nut_model = (
     for solid in solids
 )
 start = rotation_matrix(2.0 * np.pi * 5.3, (0, 0, 1))  # 5.3 turns up the thread
-start[2, 3] = 5.3 * PITCH - CLEARANCE  # on the flanks below, which slope by 45 degrees
+start[2, 3] = 5.3 * PITCH - CLEARANCE  # on the lower flanks, which slope by 45 degrees
 world = vx.World(time_step=1 / RATE, sleeping=False)
 world.add(bolt, mass=0, friction=0.5, name="bolt")
 nut = world.add(nut_model, mass=MASS, pose=start, friction=0.5, name="nut")
@@ -42,7 +42,7 @@ turned, before, rows = 0.0, measure_turns(start), []
 
 
 def drive(world):
-    """The motor, as strong as TORQUE; and what there is to note after each step."""
+    """Applies the motor's torque, at most TORQUE, and records the state after each step."""
     global turned, before
     missing = -2.0 * np.pi * SPEED - nut.angular_velocity[2]
     nut.apply_torque((0.0, 0.0, np.clip(missing * inertia * RATE, -TORQUE, TORQUE)))
@@ -64,7 +64,7 @@ tell(
         "turns": float(turns[-1]),
         "seconds": len(rows) / RATE,
         "down_mm": 1e3 * float(down[-1]),
-        "down_a_turn_mm": 1e3 * float(down[-1] / turns[-1]),
+        "down_per_turn_mm": 1e3 * float(down[-1] / turns[-1]),
         "pitch_mm": 1e3 * PITCH,
         "off_the_helix_at_most_mm": 1e3 * float(np.abs(down - PITCH * turns).max()),
         "off_the_axis_at_most_mm": 1e3 * float(sideways.max()),
@@ -75,6 +75,6 @@ tell(
 )
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frame=30, cut=("nut",), azimuth=35)
-lines = {"measured": 1e3 * down, "a pitch a turn": 1e3 * PITCH * turns}
-plot(options.out / "plot.png", turns, lines, x_label="turns", y_label="way down, mm")
+lines = {"measured": 1e3 * down, "one pitch per turn": 1e3 * PITCH * turns}
+plot(options.out / "plot.png", turns, lines, x_label="turns", y_label="descent, mm")
 recording.save_html(options.out / "replay.html", title="A nut runs down its bolt")

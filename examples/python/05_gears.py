@@ -1,8 +1,7 @@
-"""Gears: 12 teeth drive 24, held by nothing but contacts.
+"""Gears: 12 teeth drive 24 through contacts alone.
 
-Involute teeth of module 2 mm with 0.2 mm of backlash, bores 0.1 mm wider than the pins that they turn on. A
-motor of at most 0.05 N m turns the small gear; the large one follows, tooth by tooth, a full turn, at
-half the speed.
+The teeth are involutes of module 2 mm with 0.2 mm of backlash. The radius of each bore is 0.1 mm larger than that
+of its pin. A motor of at most 0.05 N m turns the small gear. The large gear follows at half the speed, for one turn.
 """
 
 import numpy as np
@@ -14,7 +13,7 @@ from trimesh.transformations import rotation_matrix
 
 MODULE, TEETH, WIDTH, BORE = 0.002, (12, 24), 0.008, 0.004
 SPEED, TORQUE, RATE, MASSES = 1.0, 0.05, 500.0, (0.05, 0.2)  # turns/s, N m, Hz, kg
-AXES = 0.5 * MODULE * sum(TEETH)  # from pin to pin
+AXES = 0.5 * MODULE * sum(TEETH)  # distance of the pins, meters
 
 options = parse_command(__doc__)
 voxel = 0.0004 if options.quick else 0.0002
@@ -30,7 +29,7 @@ gears = [
 ground = vx.Model.from_mesh(as_mesh(plate), voxel_size=voxel)
 world = vx.World(time_step=1 / RATE, sleeping=False)
 world.add(ground, mass=0, friction=0.1, name="pins")
-meshed = rotation_matrix(np.pi / TEETH[1], (0, 0, 1))  # a gap opposite the other's tooth
+meshed = rotation_matrix(np.pi / TEETH[1], (0, 0, 1))  # a gap faces a tooth of the small gear
 meshed[0, 3] = AXES
 poses = (np.eye(4), meshed)
 small, large = (
@@ -43,7 +42,7 @@ turns, angles, rows = np.zeros(2), np.array([0.0, np.pi / TEETH[1]]), []
 
 
 def drive(world):
-    """The motor; and how far each gear has turned, in turns."""
+    """Applies the motor's torque, and records how far each gear has turned, in turns."""
     global angles
     missing = 2.0 * np.pi * SPEED - small.angular_velocity[2]
     small.apply_torque((0.0, 0.0, np.clip(missing * inertia * RATE, -TORQUE, TORQUE)))

@@ -1,8 +1,8 @@
 """A peg in a hole: 0.1 mm decides.
 
-A hole of 20 mm in a block with a guide above, and three pegs, dropped by 2 mm, 0.14 mm beside the axis and
-tilted by 0.3 degrees: radii 0.1 and 0.05 mm below the hole's, and 0.1 mm above. The voxels of 0.25 mm are
-larger than the clearance: walls are smooth, and there the field is off by half a micrometer.
+A block has a hole of 20 mm with a guide above it. Three pegs fall by 2 mm toward the hole, 0.14 mm beside its axis and
+tilted by 0.3 degrees. Two have radii 0.1 and 0.05 mm smaller than the hole's and enter. The third is 0.1 mm larger and
+stops. The voxels of 0.25 mm are larger than the clearance, but on these smooth walls the field is off by only 0.5 µm.
 """
 
 import numpy as np
@@ -17,12 +17,12 @@ RATE, SECONDS = 500.0, 1.0
 
 
 def cylinder(height, low, high=None, at=0.0):
-    """Or a cone: radii at the lower and at the upper end, which is ``height`` above ``at``."""
+    """Makes a cylinder, or a cone from radius ``low`` to ``high``; its lower end is at the height ``at``."""
     return m3.Manifold.cylinder(height, low, high or low, SEGMENTS).translate((0, 0, at))
 
 
 def make_peg(radius):
-    """30 mm long, from z = 0 up, with a chamfer below."""
+    """Makes a peg from z = 0 to 30 mm, with a chamfer at its lower end."""
     tip = cylinder(CHAMFER, radius - CHAMFER, radius)
     return tip + cylinder(0.03 - CHAMFER, radius, at=CHAMFER)
 
@@ -67,4 +67,4 @@ pairs = [
 ]
 draw(options.out / "picture.png", pairs, azimuth=15, elevation=15)
 time = np.arange(len(down)) / RATE
-plot(options.out / "plot.png", time, lines, x_label="time, s", y_label="way into the hole, mm")
+plot(options.out / "plot.png", time, lines, x_label="time, s", y_label="depth in the hole, mm")

@@ -1,7 +1,7 @@
-"""Pouring bunnies: one model, many bodies, into a bowl.
+"""Pouring bunnies: many bodies of one model fall into a bowl.
 
-Models are immutable, so all bunnies share one, and the bowl is another: concave in concave, without a
-convex part anywhere. `--mesh` takes any other file.
+Models are immutable, so all bunnies share one. The bowl has its own. Bunnies and bowl are concave, and none of them is
+split into convex parts. `--mesh` takes any other file.
 """
 
 import numpy as np
@@ -20,12 +20,12 @@ mesh = trimesh.load_mesh(options.mesh)
 mesh.apply_translation(-mesh.bounds.mean(axis=0))
 mesh.apply_scale(0.08 / mesh.extents.max())
 mesh.merge_vertices()
-# Fewer triangles, so that pictures are soon drawn; the physics would not mind them.
+# Fewer triangles make the pictures faster to draw; the simulation does not need this.
 solid = m3.Manifold(m3.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.uint64)))
 bunny = vx.Model.from_mesh(
     as_mesh(solid.simplify(4e-4 if options.quick else 1e-4)), voxel_size=0.001, target_points=2000
 )
-angles = np.linspace(0.0, np.pi / 2, 16)  # the bowl: an arc from below to the rim, and back inside
+angles = np.linspace(0.0, np.pi / 2, 16)  # the bowl's profile: outside up to the rim, then inside
 outer = 0.16 * np.column_stack([np.sin(angles), -np.cos(angles)])
 profile = np.concatenate([outer, outer[::-1] * 0.94])
 bowl = vx.Model.from_mesh(trimesh.creation.revolve(profile, sections=96), voxel_size=0.003)
@@ -43,7 +43,7 @@ energy, contacts = [], []
 
 
 def note(world):
-    """Energy of motion, joules, without spin; and how many contact points Bullet got."""
+    """Records the kinetic energy in joules, without spin, and the number of Bullet's contact points."""
     speeds = np.array([body.linear_velocity for body in world.bodies[1:]])
     energy.append(0.5 * 0.1 * float((speeds**2).sum()))
     contacts.append(len(world.contacts()))
@@ -60,12 +60,12 @@ tell(
         "in_the_bowl": int(np.sum((np.hypot(*places[:, :2].T) < 0.16) & (places[:, 2] > -0.16))),
         "energy_at_the_end_mJ": 1e3 * energy[-1],
         "contacts_at_the_end": contacts[-1],
-        "milliseconds_a_step": step_ms,
-        "of_real_time": step_ms * RATE / 1e3,
+        "milliseconds_per_step": step_ms,
+        "fraction_of_real_time": step_ms * RATE / 1e3,
     },
 )
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frames=(-1,), elevation=50, fill=0.9)
-lines = {"energy of motion, mJ": 1e3 * np.array(energy), "contact points": np.array(contacts)}
+lines = {"kinetic energy, mJ": 1e3 * np.array(energy), "contact points": np.array(contacts)}
 plot(options.out / "plot.png", np.arange(1, steps + 1) / RATE, lines, x_label="time, s", y_label="")
 recording.save_html(options.out / "replay.html", title="Pouring bunnies", max_contacts=100)

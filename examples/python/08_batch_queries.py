@@ -1,7 +1,7 @@
-"""Many poses at once: where a hook can stand in and around a ring.
+"""Many poses at once: where a hook fits in and around a ring.
 
-A hook and a ring, a grid of positions and one turn after another: `collide_batch` answers all of them on all
-cores, for planning, sampling and learning. `contacts_batch` brings contacts in the same way.
+`collide_batch` tests a hook against a ring at a grid of positions in several orientations, on all cores, as planning,
+sampling and learning need it. `contacts_batch` returns the contacts of many poses in the same way.
 """
 
 import time
@@ -37,8 +37,8 @@ tell(
     {
         "poses": len(poses),
         "free_fraction": float(1.0 - hit.mean()),
-        "microseconds_a_pose": 1e6 * seconds / len(poses),
-        "contacts_of_a_hundred": len(contacts.depths),
+        "microseconds_per_pose": 1e6 * seconds / len(poses),
+        "contacts_of_100_poses": len(contacts.depths),
         "agrees_with_single_calls": all(
             vx.collide(ring, hook, b_pose=pose) == answer
             for pose, answer in zip(poses[::97], hit[::97], strict=True)
@@ -49,7 +49,7 @@ free = 1.0 - hit.reshape(turns, side, side).mean(axis=0)
 figure, axes = plt.subplots(figsize=(6, 5), layout="constrained")
 shades = axes.pcolormesh(1e3 * places, 1e3 * places, free, cmap="viridis")
 axes.set(aspect="equal", xlabel="x, mm", ylabel="y, mm")
-figure.colorbar(shades, label="fraction of turns that are free")
+figure.colorbar(shades, label="fraction of orientations that are free")
 figure.savefig(
     options.out / "plot.png", dpi=110, bbox_inches="tight"
 )  # constrained layout cuts labels off

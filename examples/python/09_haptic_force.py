@@ -1,7 +1,7 @@
-"""Forces for the hand: a probe along a rough wall, a thousand times a second.
+"""Haptic forces: a probe moves along a rough wall, with 1,000 queries a second.
 
-`wrench` is continuous in the pose: no popping as points come and go. A scratch kept from call to call makes
-each one start where the last one ended. What a call took is measured, too.
+The force of `wrench` is continuous in the pose: it does not jump when points enter or leave the contact. A scratch that
+is reused lets each call start from the result of the last one. The program also measures the time of each call.
 """
 
 import time

@@ -1,7 +1,7 @@
-"""A sweep on many machines: how the clearance of a peg decides how far it tilts.
+"""A parameter sweep on many machines: how far a peg tilts at each clearance.
 
-Each part is a pure function of its settings, run by Dask: on processes of this machine, or with
-`--scheduler tcp://HOST:8786` on a cluster. Models are built once on each worker and kept in its cache.
+Each task is a pure function of its settings. Dask runs the tasks in processes of this machine or, with
+`--scheduler tcp://HOST:8786`, on a cluster. Each worker builds the models once and keeps them in its cache.
 """
 
 import numpy as np
@@ -16,14 +16,14 @@ RADIUS = 0.01
 
 
 def build(clearance):
-    """A tube and a peg in it, both 40 mm high."""
+    """Builds the models of a tube and of a peg in it, both 40 mm high; clearance in meters."""
     tube = trimesh.creation.annulus(RADIUS, 0.015, 0.04, sections=192)
     peg = trimesh.creation.cylinder(RADIUS - clearance, 0.04, sections=192)
     return tuple(vx.Model.from_mesh(mesh, voxel_size=0.0005) for mesh in (tube, peg))
 
 
 def find_tilt(clearance, poses):
-    """The largest tilt about its middle, degrees, that a peg of so much clearance has."""
+    """Finds the largest tilt of the peg about its center at a clearance in meters, in degrees."""
     tube, peg = build(clearance)
     angles = np.linspace(0.0, 4.0, poses)
     tilted = np.array([rotation_matrix(np.radians(angle), (1, 0, 0)) for angle in angles])
@@ -39,18 +39,18 @@ if __name__ == "__main__":
     poses = 400 if options.quick else 4000
     local = None if options.scheduler else LocalCluster(n_workers=2, dashboard_address=None)
     with Client(options.scheduler or local) as client:
-        # Dask sends functions of the main program by value, with what they refer to.
+        # Dask sends functions of the main program by value, together with everything they refer to.
         tilts = np.array(client.gather(client.map(find_tilt, clearances, poses=poses)))
     if local:
         local.close()
-    # A peg of 40 mm in a bore of 40 mm: its corners, 20 mm away, move by the clearance.
+    # The corners of the peg are 20 mm above and below its center, and can move by the clearance.
     exact = np.degrees(clearances / 0.02)
     tell(
         options.out,
         {
-            "parts": len(clearances),
+            "tasks": len(clearances),
             "tilts_degrees": [round(tilt, 3) for tilt in tilts.tolist()],
-            "of_small_angles_degrees": [round(tilt, 3) for tilt in exact.tolist()],
+            "small_angle_tilts_degrees": [round(tilt, 3) for tilt in exact.tolist()],
             "off_by_at_most_degrees": float(np.abs(tilts - exact).max()),
         },
     )
@@ -67,7 +67,7 @@ if __name__ == "__main__":
         x_label="clearance, mm",
         y_label="degrees",
     )
-    # To and fro, a tenth of a degree further than the peg of the widest clearance can go.
+    # The peg with the largest clearance swings to both sides, 0.1 degrees farther than it fits.
     swing = np.radians(tilts[-1] + 0.1) * np.sin(np.linspace(0.0, 2.0 * np.pi, 120))
     way = [rotation_matrix(angle, (0, 1, 0)) for angle in swing]
     replay(options.out / "replay.html", tube, peg, way, seconds=4.0, title="How far a peg tilts")

@@ -1,7 +1,7 @@
-"""URDF gripper: a robot from a file takes a mug by its wall and carries it aside.
+"""URDF gripper: a robot from a file grasps a mug by its wall and carries it aside.
 
-One finger is inside the mug, the other outside: as convex hulls they could not be there. The arm's links
-are meshes; they, the fingers and the mug are models. What holds the mug is friction alone.
+One finger is inside the mug, where a convex hull of the mug would leave no room for it. The meshes of the arm's links,
+of the fingers and of the mug become models. Friction alone holds the mug.
 """
 
 from pathlib import Path
@@ -13,11 +13,11 @@ from drawing import draw, plot
 from gripper import WALL, make_mug, write_robot
 
 TURN = 0.6  # radians from the robot's x axis to the mug
-RATE = 1000.0  # Hz; the mug is held at 200 and 60 Hz, too
+RATE = 1000.0  # Hz; the grip also holds at 200 and 60 Hz
 
 
 def build(folder: Path, voxel_size: float = 0.002) -> tuple[vx.World, vx.Robot, vx.Body]:
-    """The robot, and the mug on the ground in front of it."""
+    """Builds the world: the robot, and the mug on the ground in front of it."""
     world = vx.World(time_step=1 / RATE)
     world.add(vx.Plane(), mass=0, name="ground")
     robot = vx.load_urdf(world, write_robot(folder), voxel_size=voxel_size, friction=0.9)
@@ -28,7 +28,7 @@ def build(folder: Path, voxel_size: float = 0.002) -> tuple[vx.World, vx.Robot, 
 
 
 def take(world: vx.World, robot: vx.Robot, *, close: float = 0.024, note=None) -> None:
-    """Turns to the mug, takes it, lifts it and holds it for a second."""
+    """Turns to the mug, grasps it, lifts it and holds it."""
     for seconds, targets in (
         (1.5, {"turn": TURN, "lift": 0.0, "grip": 0.0}),
         (1.0, {"lift": -0.2}),
@@ -47,14 +47,14 @@ if __name__ == "__main__":
     colors = robot.colors | {mug: (72, 163, 154)}
 
     def note(world):
-        """Heights of mug and wrist, and the fingers' contacts: depth, meters, and impulse, N s."""
+        """Records the heights of mug and wrist, and the depth (m) and impulse (N s) at the fingers."""
         found = world.contacts()
         held = np.isin(found["body_a"], fingers) | np.isin(found["body_b"], fingers)
         heights = (body.pose[2, 3] for body in (mug, robot.links["wrist"]))
         rows.append((*heights, found["depth"][held].max(initial=0), found["impulse"][held].sum()))
 
     take(world, robot, note=note)
-    held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose  # in a finger's frame
+    held = np.linalg.inv(robot.links["outer"].pose) @ mug.pose  # the mug in the finger's frame
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held

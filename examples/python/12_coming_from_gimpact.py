@@ -1,7 +1,7 @@
-"""Coming from GImpact: the same ring, the same Bullet, another shape.
+"""Coming from GImpact: the same ring in the same Bullet, with another shape.
 
-The scene of the C++ program in `examples/bullet`, with Bullet's own `btGImpactMeshShape` for the ring, and with
-a model of it: everything else stays.
+This is the scene of the C++ program in `examples/bullet`. It runs once with Bullet's own `btGImpactMeshShape` for the
+ring, and once with a model of the ring. Everything else stays the same.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ mesh = trimesh.creation.torus(RING, THICKNESS, **sections)
 
 
 def fall(ring):
-    """The world, the falling body, its heights over the table, and the recorder."""
+    """Drops the ring; returns the world, the ring, its heights above the table, and the recorder."""
     world = vx.World(time_step=1 / RATE, sleeping=False)
     table, ball, above = np.eye(4), np.eye(4), np.eye(4)
     table[2, 3], ball[2, 3], above[:3, 3] = -0.1, BALL, (0.01, 0.0, 0.5)
@@ -50,7 +50,7 @@ tell(options.out, figures)
 recording = recorder.recording()
 draw(options.out / "picture.png", recording, frames=(-1,), elevation=35.0, fill=0.62)
 time = np.arange(1, len(heights) + 1) / RATE
-shown = (time > 0.28) & (time < 0.8)  # from shortly before it lands
+shown = (time > 0.28) & (time < 0.8)  # starts shortly before the ring lands
 lines = {name: line[shown] for name, line in lines.items()}
 plot(
     options.out / "plot.png",

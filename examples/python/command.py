@@ -1,4 +1,4 @@
-"""What all examples' commands share: options, how they tell their figures, and what they say if a package is missing."""
+"""What the commands of all examples share: options, printed figures, and the message about a missing package."""
 
 import argparse
 import json
@@ -13,11 +13,11 @@ PACKAGES = {
     "manifold3d": "'voxshell[viewer]'",
     "matplotlib": "'voxshell[report]'",
 }
-"""What to install for the modules that voxshell does without."""
+"""What to install for each module that voxshell itself does not need."""
 
 
 def tell_missing(kind, error, trace):
-    """Ends the program in one line if a package is missing; it is Python's hook for errors."""
+    """Prints one line if a package is missing, instead of a traceback; it is set as ``sys.excepthook``."""
     name = (getattr(error, "name", None) or "").partition(".")[0]
     if isinstance(error, ModuleNotFoundError) and name in PACKAGES:
         print(f"this example needs {name}: pip install {PACKAGES[name]}", file=sys.stderr)
@@ -31,12 +31,12 @@ sys.excepthook = tell_missing
 
 
 def parse_command(text, **more):
-    """Reads `--out DIR` and `--quick`, and an option for each of ``more`` with its default."""
+    """Parses `--out DIR`, `--quick` and one option for each name in ``more``, with its default."""
     parser = argparse.ArgumentParser(description=text.splitlines()[0])
     parser.add_argument(
         "--out", type=Path, default=Path("build/examples"), help="folder for results"
     )
-    parser.add_argument("--quick", action="store_true", help="a form that takes seconds")
+    parser.add_argument("--quick", action="store_true", help="a smaller run, in seconds")
     for name, default in more.items():
         parser.add_argument(f"--{name}", default=default, help=f"default: {default}")
     options = parser.parse_args()
@@ -45,7 +45,7 @@ def parse_command(text, **more):
 
 
 def tell(out, figures):
-    """Prints figures, with their units in their names, and writes them to figures.json."""
+    """Prints the figures, whose names contain their units, and writes them to figures.json."""
     for name, value in figures.items():
         shown = f"{value:.4g}" if isinstance(value, float) else value
         print(f"{name.replace('_', ' ')}: {shown}")

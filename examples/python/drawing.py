@@ -25,19 +25,19 @@ class Studio:
     """A recording in front of a camera.
 
     Args:
-        recording: What is drawn; grounds of it become one endless ground.
+        recording: The recording to draw; its grounds become one endless ground.
         size: Width and height, pixels.
-        azimuth: From which side, degrees about z; 0 looks along y.
-        elevation: From how far above, degrees.
-        frames: In which the camera sees bodies whole.
+        azimuth: Direction of the view, degrees about z; 0 looks along y.
+        elevation: Height of the view, degrees above the horizon.
+        frames: Frames in which the picture contains all bodies in focus.
         focus: Names of these bodies; all by default.
-        floor: Where there is no ground, one is drawn so far below all bodies, in their height.
+        floor: Depth of the ground below all bodies if the recording has none, as a multiple of their height.
         fill: The fraction of the picture that the bodies fill.
         forces: Whether to draw the arrows of forces.
         hidden: Names of bodies that are not drawn.
-        cut: Names of bodies of which the quarter in front is not drawn.
-        quality: Less is faster: a fraction of the directions that light comes from.
-        legend: Whether to write what colors, arrows and lines mean.
+        cut: Names of bodies that are drawn without their front quarter.
+        quality: Fraction of the directions of light that are used; a smaller one is faster.
+        legend: Whether to explain colors, arrows and lines.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class Studio:
         self._strongest = self._marked.strongest if forces else 0.0
 
     def picture(self, frame=-1):
-        """The bodies and contacts of a frame, and the legend, as a PIL image."""
+        """Return a PIL image of the bodies and contacts of a frame, with the legend."""
         frame = frame % self._recording.frame_count
         pixels = render(
             [
@@ -111,7 +111,7 @@ class Studio:
         return image
 
     def _open(self, surface, body, frame):
-        """The surface of a body, or of what is left of it after its cut."""
+        """Return the surface of a body, without its front quarter if it is cut."""
         if body.name not in self._cut:
             return surface
         turn = body.poses[frame, :3, :3]
@@ -127,7 +127,7 @@ class Studio:
         return make_surface(left.vert_properties[:, :3], left.tri_verts, surface.color)
 
     def _find_marks(self, frame):
-        """A ball for each contact, in the color of its depth, and an arrow for each force."""
+        """Return a ball for each contact, colored by its depth, and an arrow for each force."""
         found = self._marked.frame(frame)
         arrows = found.arrows if self._strongest > 0.0 else ()
         radius = 0.01 * self._marked.body_size
@@ -140,7 +140,7 @@ class Studio:
         return marks
 
     def _write_legend(self, image):
-        """What colors, arrows and lines mean, along the foot of the picture."""
+        """Explain colors, arrows and lines along the lower edge of the picture."""
         width, height = self._size
         pen, letter = ImageDraw.Draw(image), max(11, height // 42)
         font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), letter)
@@ -168,12 +168,13 @@ class Studio:
 
 
 def draw(path, shown, *, frame=-1, **options):
-    """Writes a picture of a recording's frame, or of pairs of model or mesh and pose.
+    """Write a picture of a frame of a recording, or of models or meshes at poses.
 
     Args:
-        path: Of the PNG.
-        shown: A recording, or pairs; a third member of a pair is its color, 0 to 255, and the first one is gray.
-        frame: Of the recording.
+        path: The path of the PNG file.
+        shown: A recording, or tuples (model or mesh, pose) or (model or mesh, pose, color from 0 to 255). Without
+            colors, the first body is gray.
+        frame: Number of the frame.
         options: As for :class:`Studio`.
     """
     if not isinstance(shown, Recording):
@@ -182,7 +183,7 @@ def draw(path, shown, *, frame=-1, **options):
 
 
 def as_recording(pairs, contacts=None):
-    """One frame of bodies that stand, from pairs as for :func:`draw` and perhaps their contacts."""
+    """Return a recording of one frame, from tuples as for :func:`draw` and optionally contacts."""
     tracks = []
     for number, (shape, pose, *color) in enumerate(pairs):
         mesh = shape if isinstance(shape, vx.Mesh) else shape.mesh
@@ -197,7 +198,7 @@ def as_recording(pairs, contacts=None):
 
 
 def make_arrow(start, end, thickness, color):
-    """A surface and its pose: an arrow between two points."""
+    """Return the surface and the pose of an arrow between two points."""
     length = float(np.linalg.norm(end - start))
     head = min(6.0 * thickness, 0.6 * length)
     profile = [(0, 0), (thickness, 0), (thickness, length - head), (2.8 * thickness, length - head)]
@@ -208,7 +209,7 @@ def make_arrow(start, end, thickness, color):
 
 
 def plot(path, x, lines, *, x_label, y_label):
-    """Writes a plot of named lines over x."""
+    """Write a plot of named lines over x."""
     figure, axes = plt.subplots(figsize=(7.0, 3.5), layout="constrained")
     for label, y in lines.items():
         axes.plot(x, y, label=label)

@@ -7,16 +7,16 @@ import trimesh
 from trimesh.creation import box, cylinder, revolve, torus
 from trimesh.transformations import rotation_matrix
 
-WALL = 0.037  # meters from the mug's axis to the middle of its wall, 6 mm thick
+WALL = 0.037  # meters from the mug's axis to the middle of its wall, which is 6 mm thick
 
 
 def block(x, y, z):
-    """A box between two values along each axis."""
+    """Makes a box from its two bounds along each axis, in meters."""
     return box(bounds=np.transpose((x, y, z)))
 
 
 def rod(radius, low, high, x=0.0):
-    """An upright cylinder."""
+    """Makes an upright cylinder between two heights."""
     return cylinder(radius, high - low, sections=48).apply_translation((x, 0, 0.5 * (low + high)))
 
 
@@ -61,7 +61,7 @@ JOINTS = """
 
 
 def write_robot(folder: Path) -> Path:
-    """The URDF file and its meshes; masses are those of the meshes at 1000 kg/m3."""
+    """Writes the URDF file and its meshes, with their masses at 1000 kg/m3."""
     links = ""
     for name, (parts, color) in LINKS.items():
         mesh = trimesh.boolean.union(parts)
@@ -80,7 +80,7 @@ def write_robot(folder: Path) -> Path:
 
 
 def make_mug() -> trimesh.Trimesh:
-    """90 mm high, standing on its origin, with a handle toward +y."""
+    """Makes a mug 90 mm high that stands on its origin, with a handle toward +y."""
     outside = cylinder(0.04, 0.09, sections=64).apply_translation((0, 0, 0.045))
     inside = cylinder(0.034, 0.09, sections=64).apply_translation((0, 0, 0.051))
     handle = torus(0.025, 0.005).apply_transform(rotation_matrix(np.pi / 2, (0, 1, 0)))

@@ -1,4 +1,4 @@
-"""Pictures of bodies under a sky and a sun, with numpy alone: soft shadows, a ground with a grid, marks on top.
+"""Pictures of bodies under a sky and a sun, drawn with numpy alone: soft shadows, a ground with a grid, marks on top.
 
 All lengths are in meters, in the world frame with z up.
 """
@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-SUN = np.array([-0.50, -0.42, 0.76])  # from where it shines
+SUN = np.array([-0.50, -0.42, 0.76])  # direction toward the sun
 SUN_SIZE, SUN_MAP, SKY_MAP = (
     0.055,
     512,
     192,
-)  # radians to its edge; texels along sides of shadow maps
-DOTS_A_TEXEL = 1.3  # that cast shadows; holes of a texel are filled
+)  # angular radius in radians; texels along a side of each shadow map
+DOTS_A_TEXEL = 1.3  # dots per texel that cast shadows; holes of one texel are filled
 SUN_LIGHT, SKY_LIGHT, BOUNCE = np.array([1.70, 1.62, 1.50]), np.array([1.0, 1.06, 1.16]), 0.45
 SKY_TOP, SKY_FOOT = np.array([226, 233, 242]), np.array([250, 251, 253])  # of the background
 GROUND, LINE = np.array([218, 223, 230]), np.array([150, 160, 173])
@@ -21,15 +21,15 @@ CREASE = np.cos(np.radians(38.0))
 
 
 class Surface(NamedTuple):
-    """What is drawn of a body, in its own frame.
+    """The surface of a body, in the body's frame.
 
     Args:
-        corners: (m, 3, 3) of triangles.
-        normals: (m, 3, 3) at the corners; those of neighbors agree but for creases.
-        dots: (k, 3) points all over the surface, which cast the shadows; the first of them, however
-            many, lie evenly.
-        area: Of the surface.
-        color: (3,) 0 to 255.
+        corners: (m, 3, 3), corners of the triangles.
+        normals: (m, 3, 3), normals at the corners; those of neighbors agree, except at creases.
+        dots: (k, 3), points on the whole surface, which cast the shadows; the first n of them are evenly
+            distributed for any n.
+        area: Area of the surface.
+        color: (3,), 0 to 255.
     """
 
     corners: np.ndarray
@@ -40,7 +40,7 @@ class Surface(NamedTuple):
 
 
 class Camera(NamedTuple):
-    """A view: ``axes`` has rows right, up and back; ``tangent`` is that of half the view's height."""
+    """A camera: ``axes`` has the rows right, up and back; ``tangent`` is that of half the vertical angle of view."""
 
     position: np.ndarray
     axes: np.ndarray
@@ -48,11 +48,11 @@ class Camera(NamedTuple):
 
 
 def make_surface(vertices, faces, color, *, dots=300_000):
-    """Prepares a mesh: (n, 3) vertices and (m, 3) faces."""
+    """Return the surface of a mesh with (n, 3) vertices and (m, 3) faces."""
     corners = np.asarray(vertices, float)[np.asarray(faces, np.int64)]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     total = np.cumsum(0.5 * np.linalg.norm(normals, axis=1))
-    # Multiples of these irrational numbers fill a cube evenly from the first on.
+    # The first n multiples of these irrational numbers fill a cube evenly, for any n.
     fractions = (np.arange(1, dots + 1)[:, None] * (0.8191725134, 0.6710436067, 0.5497004779)) % 1.0
     chosen = np.searchsorted(total, fractions[:, 0] * total[-1]).clip(max=len(corners) - 1)
     first, second = np.sqrt(fractions[:, 1:2]), fractions[:, 2:]
@@ -63,7 +63,7 @@ def make_surface(vertices, faces, color, *, dots=300_000):
 
 
 def place_camera(points, size, *, azimuth=25.0, elevation=20.0, fill=0.84, angle=24.0):
-    """A view of (n, 3) points that they fill: azimuth 0 looks along y; degrees, ``angle`` is its height."""
+    """Return a camera whose picture (n, 3) points fill; azimuth 0 looks along y. ``angle`` is vertical; degrees."""
     turn, tilt = np.radians([azimuth, elevation])
     back = np.array([np.sin(turn) * np.cos(tilt), -np.cos(turn) * np.cos(tilt), np.sin(tilt)])
     right = np.array([np.cos(turn), np.sin(turn), 0.0])
@@ -82,18 +82,18 @@ def place_camera(points, size, *, azimuth=25.0, elevation=20.0, fill=0.84, angle
 
 
 def render(bodies, camera, size, *, ground=None, cell=None, marks=(), finer=2, suns=16, skies=48):
-    """Draws a picture.
+    """Draw a picture.
 
     Args:
-        bodies: Pairs of surface and pose (4, 4).
-        camera: From where.
+        bodies: Pairs of a surface and a pose (4, 4).
+        camera: The camera.
         size: Width and height, pixels.
-        ground: Height of a ground, which is no body; None for none.
-        cell: Between its lines; None for none.
-        marks: Pairs like bodies, drawn on top of all of them and without a shadow.
-        finer: Samples for each pixel along a side.
-        suns: Directions that the sun's disk is sampled in.
-        skies: Directions that the sky is sampled in.
+        ground: Height of the ground; None for no ground.
+        cell: Distance of the lines on it; None for no lines.
+        marks: Pairs like bodies, drawn on top of all bodies and without shadows.
+        finer: Number of samples along each side of a pixel.
+        suns: Number of samples of the sun's disk.
+        skies: Number of samples of the sky.
 
     Returns:
         (h, w, 3) uint8.
@@ -121,7 +121,7 @@ def render(bodies, camera, size, *, ground=None, cell=None, marks=(), finer=2, s
 
 
 def to_light(color):
-    """Amounts of light, 0 to 1, of a color in sRGB, 0 to 255."""
+    """Return the amounts of light, 0 to 1, of an sRGB color, 0 to 255."""
     fraction = np.asarray(color, float) / 255.0
     return np.where(fraction <= 0.04045, fraction / 12.92, ((fraction + 0.055) / 1.055) ** 2.4)
 
@@ -131,7 +131,7 @@ def _to_srgb(light):
 
 
 def _smooth(corners, normals):
-    """Normals at corners: means over the faces around the same point that are no crease away."""
+    """Return normals at corners: means over the faces around the same point, up to creases."""
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     grain = 1e-7 * np.ptp(corners.reshape(-1, 3), axis=0).max()
     keys = np.round(corners.reshape(-1, 3) / max(grain, 1e-300)).astype(np.int64)
@@ -159,7 +159,7 @@ def _paint_background(width, height):
 
 
 def _find_sphere(bodies):
-    """Center and radius of a sphere around all bodies."""
+    """Return the center and the radius of a sphere around all bodies."""
     ends = []
     for surface, pose in bodies:
         points = surface.dots[:4000] @ pose[:3, :3].T + pose[:3, 3]
@@ -169,7 +169,7 @@ def _find_sphere(bodies):
 
 
 def _place(pairs):
-    """All triangles in the world: corners and normals (m, 3, 3), and the number of the pair (m,)."""
+    """Return all triangles in the world frame: corners and normals (m, 3, 3), and numbers of their pairs (m,)."""
     corners = [surface.corners @ pose[:3, :3].T + pose[:3, 3] for surface, pose in pairs]
     normals = [surface.normals @ pose[:3, :3].T for surface, pose in pairs]
     owner = np.repeat(np.arange(len(pairs)), [len(one) for one in corners])
@@ -177,7 +177,7 @@ def _place(pairs):
 
 
 def _project(corners, camera, size):
-    """(m, 3, 3): pixels right and down, and the inverse of the distance along the view."""
+    """Return (m, 3, 3): pixels right and down, and the inverse of the distance along the view."""
     seen = (corners - camera.position) @ camera.axes.T
     near = 1.0 / np.maximum(-seen[..., 2], 1e-9)
     scale = 0.5 * size[1] / camera.tangent
@@ -186,7 +186,7 @@ def _project(corners, camera, size):
 
 
 def _rasterize(triangles, size):
-    """The nearest triangle of each pixel, (h * w,), or -1: of corners (m, 3, 3) as ``_project`` gives them."""
+    """Return the nearest triangle of each pixel, (h * w,), or -1, of corners (m, 3, 3) from ``_project``."""
     width, height = size
     best = np.full(width * height, -1, np.int64)
     top = triangles[..., 2].max()
@@ -222,7 +222,7 @@ def _rasterize(triangles, size):
 
 
 def _interpolate(pixels, triangles, projected, size):
-    """(k, 3) weights of the corners of the triangles seen in pixels, right in perspective."""
+    """Return (k, 3) weights of the corners of the triangles in pixels, correct in perspective."""
     x, y = pixels % size[0] + 0.5, pixels // size[0] + 0.5
     flat = projected[triangles]
     edge = flat[:, 1:, :2] - flat[:, :1, :2]
@@ -235,7 +235,7 @@ def _interpolate(pixels, triangles, projected, size):
 
 
 def _find_seen(bodies, camera, size, ground):
-    """Of each pixel: place, normal, color (light), and number of the body, -1 the ground, -2 nothing."""
+    """Return for each pixel: place, normal, color (light), and number of the body, -1 the ground, -2 nothing."""
     count = size[0] * size[1]
     place, normal, color = np.zeros((3, count, 3))
     body = np.full(count, -2)
@@ -273,7 +273,7 @@ def _find_seen(bodies, camera, size, ground):
 
 
 def _paint_grid(place, color, body, camera, ground, cell, height):
-    """Lines on the ground, each fifth one stronger, as wide as a pixel and fainter far away."""
+    """Paint lines on the ground, one pixel wide: every fifth is stronger, and far ones are fainter."""
     on = np.flatnonzero(body == -1)
     away = np.linalg.norm(place[on] - camera.position, axis=1)
     slope = np.maximum((camera.position[2] - ground) / away, 0.05)
@@ -290,7 +290,7 @@ def _paint_grid(place, color, body, camera, ground, cell, height):
 
 
 def _aim(direction):
-    """Two vectors across a direction."""
+    """Return as rows two unit vectors perpendicular to a direction, and the direction."""
     helper = np.eye(3)[np.argmin(np.abs(direction))]
     first = np.cross(direction, helper)
     first /= np.linalg.norm(first)
@@ -298,7 +298,7 @@ def _aim(direction):
 
 
 def _spread(bodies, center, texel):
-    """(k, 3) float32: dots of all bodies, relative to a point, dense enough for shadow maps."""
+    """Return (k, 3) float32: dots of all bodies, relative to a point, dense enough for shadow maps."""
     places = []
     for surface, pose in bodies:
         dots = surface.dots[: int(DOTS_A_TEXEL * surface.area / texel**2) + 1000]
@@ -307,7 +307,7 @@ def _spread(bodies, center, texel):
 
 
 def _cast(dots, places, radius, direction, side):
-    """(n,) the fraction of light from a direction that arrives at places (n, 3), past the dots (k, 3)."""
+    """Return (n,): the fraction of light from a direction that passes the dots (k, 3) to places (n, 3)."""
     axes = _aim(direction).T * np.float32(0.5 * side / radius)
     middle = np.float32(0.5 * side)
     flat = dots @ axes
@@ -330,7 +330,7 @@ def _cast(dots, places, radius, direction, side):
 
 
 def _close(heights):
-    """Fills holes of a texel: the lowest of the highest in squares of three."""
+    """Fill holes of one texel: a minimum over squares of three texels, after a maximum."""
     for extreme in (np.maximum, np.minimum):
         for axis in (0, 1):
             around = extreme(np.roll(heights, 1, axis), np.roll(heights, -1, axis))
@@ -339,9 +339,9 @@ def _close(heights):
 
 
 def _light(bodies, ground, place, normal, body, seen, size, suns, skies):
-    """Light from all over (k, 3) and the fraction of the sun (k,) of the pixels seen.
+    """Return the light from the sky (k, 3) and the visible fraction of the sun (k,) for the pixels seen.
 
-    Of four samples of a pixel that are alike, one is lit for all; of sixteen on the ground.
+    One sample is lit for all of four similar samples of a pixel, and on the ground for sixteen.
     """
     center, radius = _find_sphere(bodies)
     row, column = seen // size[0], seen % size[0]
@@ -385,7 +385,7 @@ def _light(bodies, ground, place, normal, body, seen, size, suns, skies):
 
 
 def _shade(place, normal, color, light, sun, camera, is_ground):
-    """(k, 3) light that comes from places to the camera."""
+    """Return the light (k, 3) that places send to the camera."""
     middle = SUN / np.linalg.norm(SUN)
     toward = camera.position - place
     toward /= np.linalg.norm(toward, axis=1, keepdims=True)
@@ -404,7 +404,7 @@ def _shade(place, normal, color, light, sun, camera, is_ground):
 
 
 def _paint_marks(picture, place, body, marks, camera, size):
-    """Draws marks over the picture: strongly where they are in front, fainter through bodies."""
+    """Draw marks over the picture: strong where they are in front, faint behind bodies."""
     corners, normals, owner = _place(marks)
     projected = _project(corners, camera, size)
     best = _rasterize(projected, size)

@@ -1,4 +1,4 @@
-"""Replays of a body that is led from pose to pose, without physics."""
+"""Replays of a body that moves through given poses, without physics."""
 
 import numpy as np
 import voxshell as vx
@@ -6,7 +6,7 @@ from voxshell.recording import BodyTrack, ContactTrack, Recording
 
 
 def replay(path, fixed, moving, poses, *, seconds, title):
-    """Writes an offline page: a model that stands, one at each of (n, 4, 4) poses, their contacts."""
+    """Writes an offline page of a fixed model, a model at each of (n, 4, 4) poses, and their contacts."""
     found = [vx.contacts(moving, fixed, a_pose=pose) for pose in poses]
     contacts = ContactTrack.from_frames([(it.points_b, it.normals, it.depths) for it in found])
     tracks = tuple(

@@ -80,7 +80,7 @@ def plan_studies(
     for table in overrides:
         if table not in names:
             raise SettingsError(
-                f"[{table[:80]}] is no experiment; there are: {', '.join(sorted(names))}"
+                f"[{table[:80]}] is an unknown table; valid tables: {', '.join(sorted(names))}"
             )
     studies = []
     for each in experiments:

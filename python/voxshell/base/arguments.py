@@ -191,7 +191,7 @@ def join_choices(words: Iterable[str]) -> str:
 def as_text(value: Any, name: str) -> str:
     """Return a text."""
     if not isinstance(value, str):
-        raise InputTypeError(f"{name} must be a text, not {type(value).__name__}")
+        raise InputTypeError(f"{name} must be a string, not {type(value).__name__}")
     return value
 
 

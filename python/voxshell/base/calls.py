@@ -133,11 +133,17 @@ def _explain(
         advice = advise_on_argument(call, unknown, named.keys() - given)
         return _join(f"{call}() has no argument {unknown!r}", advice, usage)
     if len(args) > len(ordered):
-        allowed = " and ".join(ordered) or "nothing"
-        count = "1 argument was" if len(args) == 1 else f"{len(args)} arguments were"
-        text = f"{call}() takes {allowed} by position, but {count} given so"
+        allowed = (
+            f"{len(ordered)} positional argument{'s'[: len(ordered) > 1]} ({', '.join(ordered)})"
+        )
+        count = "1 was" if len(args) == 1 else f"{len(args)} were"
+        text = (
+            f"{call}() takes {allowed if ordered else 'no positional arguments'}, but {count} given"
+        )
         return _join(
-            text, advise_on_unnamed(call, args) or f"name {'the rest' if ordered else 'all'}", usage
+            text,
+            advise_on_unnamed(call, args) or f"name {'the others' if ordered else 'all'}",
+            usage,
         )
     twice = next((name for name in ordered[: len(args)] if name in kwargs), None)
     if twice is not None:

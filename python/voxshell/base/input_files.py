@@ -37,7 +37,7 @@ def check_exists(path: str | bytes | os.PathLike[str]) -> None:
         if not name:
             why = "the path is empty"
         elif _URL.match(name):
-            why = "it does not exist: it is a URL, and only files are read; download it"
+            why = "it is a URL; download it, and pass the path of the file"
         else:
             why = f"it does not exist{_advise_on_missing(name)}"
         raise MissingFileError(f"cannot read {name or repr(name)}: {why}") from None

@@ -89,10 +89,10 @@ UNNAMED = {
     "Box": "pass half of each edge length as one argument: Box((0.5, 0.5, 0.5))",
     "Compound": "pass one list of pairs of a shape and its pose: Compound([(shape, pose), ...])",
     "Model.from_mesh": (
-        "name a factor on the lengths, as in scale=0.001; vertices and faces are one argument: "
+        "name the factor that converts lengths to meters, as in scale=0.001; pass vertices and faces as one argument: "
         "Model.from_mesh((vertices, faces))"
     ),
-    "World.add": "name the rest, as in add(shape, mass=1.0, pose=(0, 0, 1))",
+    "World.add": "name the others, as in add(shape, mass=1.0, pose=(0, 0, 1))",
     "pose": "name the order of a quaternion, xyzw=... or wxyz=...; for a matrix, pass rotation=...",
 }
 """What to do about too many arguments without names."""

@@ -42,8 +42,15 @@ def check_output_file(path: Path) -> None:
         raise SettingsError(f"{path} is not a regular file; name another")
     parent = _find_mode(path.parent)
     if parent is None or not stat.S_ISDIR(parent):
-        raise MissingFileError(f"cannot write {path}: folder does not exist: {path.parent}")
+        raise MissingFileError(explain_missing_folder(path))
     _try_folder(_follow(path).parent, path)
+
+
+def explain_missing_folder(path: Path) -> str:
+    """Return why no file can be written at a path whose parent is not a folder."""
+    if _find_mode(path.parent) is None:
+        return f"cannot write {path}: the folder {path.parent} does not exist; create it first"
+    return f"cannot write {path}: {path.parent} is not a folder"
 
 
 def check_output_folder(folder: Path, names: Sequence[str] = ()) -> None:

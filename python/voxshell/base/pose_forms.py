@@ -71,7 +71,7 @@ def as_pose_arrays(**values: Any) -> tuple[int, list[NDArray[np.float64] | None]
             counts[name] = len(poses)
     if len(set(counts.values())) > 1:
         raise SettingsError(
-            f"{' and '.join(counts)} must be equally many, or single poses; they are "
+            f"{' and '.join(counts)} must have the same number of poses, or be single poses; they have "
             f"{' and '.join(map(str, counts.values()))}"
         )
     return next(iter(counts.values()), 1), arrays
@@ -236,12 +236,12 @@ def as_quaternion(numbers: list[float], name: str, order: str = "x, y, z, w") ->
         PoseError: They are not finite or not of unit length.
     """
     if not all(map(math.isfinite, numbers)):
-        raise PoseError(f"{name}: quaternion has an entry that is not finite")
+        raise PoseError(f"{name}: the quaternion has an entry that is not finite")
     length = math.hypot(*numbers)
     if abs(length - 1.0) > CORRECTED:
         raise PoseError(
-            f"{name}: quaternion ({order}) has length {length:.6g} instead of 1; up to {CORRECTED:g} off is "
-            "corrected; divide it by its length"
+            f"{name}: the quaternion ({order}) has the length {length:.6g} instead of 1; divide it by its "
+            f"length (errors of up to {CORRECTED:g} are corrected)"
         )
     return numbers
 
@@ -250,7 +250,7 @@ def _make_pose(
     position: list[float], quaternion: list[float] | None, name: str
 ) -> NDArray[np.float64]:
     if not all(map(math.isfinite, position)):
-        raise PoseError(f"{name}: position has an entry that is not finite")
+        raise PoseError(f"{name}: the position has an entry that is not finite")
     if quaternion is None:
         return _assemble(position, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
     return _assemble(position, rotation_from_xyzw(*as_quaternion(quaternion, name)))

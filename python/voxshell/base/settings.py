@@ -218,7 +218,7 @@ def _convert(value: Any, kind: Any, name: str) -> Any:
         return make(kind, value, name)
     if origin is Literal:
         return as_choice(value, name, get_args(kind))
-    words = {float: "a number", int: "an integer", str: "a text", bool: "true or false"}
+    words = {float: "a number", int: "an integer", str: "a string", bool: "true or false"}
     # TOML writes 2 for the float 2.0, and in Python True is an int.
     accepted = (int, float) if kind is float else (kind,)
     if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):

@@ -37,21 +37,21 @@ class ModelOptions:
     """How to build models from meshes.
 
     Attributes:
-        tolerance: Largest error of the model in meters. The sizes below make a uniform model instead.
+        tolerance: Largest error of the model in meters. The next four options make a uniform model instead.
         voxel_size: Edge of the distance field's cells in meters, after --scale.
-        resolution: Number of cells along the mesh's longest side, instead of voxel_size.
+        resolution: Number of cells along the mesh's longest side, instead of --voxel-size.
         point_spacing: Edge of the voxels that get one point each, in meters; the voxel size by
             default.
-        target_points: Number of points, reached within 1 %, instead of point_spacing.
+        target_points: Number of points, reached within 1 %, instead of --point-spacing.
         scale: Factor that converts the mesh to meters: 0.001 for millimeters. By default, 3MF and
-            COLLADA files have the unit that they state, and others are in meters.
-        padding: Width of the grid beyond the mesh's bounds in meters; 16 voxels by default.
+            COLLADA files are read in the unit that they state, and others in meters.
+        padding: How far the grid extends beyond the mesh's bounds, in meters; 16 voxels by default.
         sign: How to find the inside: by the closed surface, by winding numbers, or automatically.
-        open: Build a closed solid or a sheet from an open mesh, or decide by its openings.
-        sheet_thickness: Thickness of that sheet in meters; a 200th of the longest side by default,
-            of uniform models at least two voxels.
-        threads: Threads to build with; one per core by default.
-        cache: Read models that were built before from the disk, and keep new ones there.
+        open: Whether an open mesh becomes a closed solid or a sheet; auto decides by its openings.
+        sheet_thickness: Thickness of that sheet in meters. The default is a 200th of the longest
+            side, and at least two voxels for uniform models.
+        threads: Number of threads for the build; one per core by default.
+        cache: Load a model from the cache on the disk if it was built before; else add it there.
     """
 
     tolerance: float | None = None
@@ -186,7 +186,8 @@ def _make_shape(name: str, numbers: str | None) -> Collidable:
     try:
         values = [float(number) for number in (numbers or "").split(",")]
     except ValueError:
-        raise SettingsError(f"write {usage}, in meters, not {name}:{numbers or ''}") from None
+        given = name if numbers is None else f"{name}:{numbers}"
+        raise SettingsError(f"write {usage}, with numbers in meters, not {given!r}") from None
     if len(values) != len(names):
         raise SettingsError(
             f"write {usage}, in meters: {len(names)} number{'s'[: len(names) > 1]}, not {len(values)}"

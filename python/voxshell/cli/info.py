@@ -80,7 +80,7 @@ def info(
         longest = float(np.ptp(model.bounds, axis=0).max())
         tolerance = choose_tolerance(longest, model.thickness)
         facts = describe_facts(model)
-        facts.append(("center of mass", _format_point(matter.center_of_mass)))
+        facts.append(("center of mass", f"{_format_point(matter.center_of_mass)} m"))
         facts.append(("file", format_size(file.stat().st_size)))
     else:
         require_file(file)
@@ -103,7 +103,7 @@ def info(
         console.print(
             f"\nFor most uses, build to the default tolerance, {format_length(tolerance)}; a larger one makes\n"
             f"a smaller model:\n{build}\n{build} --tolerance {2.0 * tolerance:.2g}\n\n"
-            "Uniform models have one size of voxels everywhere, and no elements for edges:",
+            "Uniform models have one voxel size everywhere, and no edge segments:",
             soft_wrap=True,
         )
         for table in _make_tables(estimates):
@@ -187,11 +187,11 @@ def _make_tables(estimates: list[Estimate]) -> list[Table]:
 
     best = recommend(estimates)
     fields = new_table(
-        *("voxel", "along", "field", MEASURED_FIELD, "proved", "to build"),
+        *("voxel", "along", "field", MEASURED_FIELD, "proven", "build"),
         title="Field, by voxel size",
     )
     shells = new_table(
-        *("spacing", "points", MEASURED_SHELL, "proved", "contacts", "yes or no"),
+        *("spacing", "points", MEASURED_SHELL, "proven", "contacts", "yes or no"),
         title="Shell, by point spacing",
     )
     for each in estimates:
@@ -238,13 +238,15 @@ def _explain(estimates: list[Estimate], build: str) -> str:
     best = recommend(estimates)
     return "\n".join(
         [
-            f"{MEASURED_FIELD:16} measured: 99 % of the surface has a smaller error",
-            f"{MEASURED_SHELL:16} measured: the shell misses less depth on 99 % of the surface",
-            f"{'proved':16} proven bound of that error; of the distance to the shell",
-            f"{'to build':16} field and shell of that size, on this machine",
-            f"{'contacts':16} median of two such bodies that touch; likewise yes or no",
-            f"{'~':16} extrapolated from coarser models",
-            f"{'*':16} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
+            f"{'along':15} number of voxels along the longest side",
+            f"{MEASURED_FIELD:15} measured: 99 % of the surface has a smaller error",
+            f"{MEASURED_SHELL:15} measured: the shell misses less depth on 99 % of the surface",
+            f"{'proven':15} proven bound of the field error, or of the distance to the shell",
+            f"{'build':15} time to build a field and a shell of that size on this machine",
+            f"{'contacts':15} median time to find the contacts of two such bodies that touch",
+            f"{'yes or no':15} median time to find out whether they touch",
+            f"{'~':15} extrapolated from coarser models",
+            f"{'*':15} the finest size within {MOST_BUILD_SECONDS:g} s, {format_size(MOST_BYTES)} "
             f"and {format_time(MOST_QUERY_SECONDS)}:",
             f"{build} --voxel-size {best.size:.4g}",
         ]

@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from voxshell.model.accuracy import ErrorStatistic
     from voxshell.model.model import Model
 
-MEASURED_FIELD = "field off by"
+MEASURED_FIELD = "field error"
 """Measured errors of the field's distance on the surface."""
 
-MEASURED_SHELL = "surface seen to"
-"""Measured heights of the surface above the shell."""
+MEASURED_SHELL = "shell coverage"
+"""Measured heights of the surface above the shell: the depth that it can miss."""
 
 THINNEST = "thinnest wall"
 """Thickness of the thinnest walls."""
 
-PROVED = "proved bound"
+PROVED = "proven bounds"
 """Proven bounds, which hold everywhere and are usually much larger than measured errors."""
 
 
@@ -54,15 +54,15 @@ def describe_accuracy(model: Model) -> list[tuple[str, str]]:
         (MEASURED_FIELD, _format_errors(accuracy.distance)),
         (MEASURED_SHELL, _format_errors(accuracy.coverage)),
         (
-            "normals",
+            "normal error",
             f"median {math.degrees(accuracy.normal.median):.2g}, "
             f"99 % {math.degrees(accuracy.normal.p99):.2g}, "
-            f"worst {math.degrees(accuracy.normal.max):.2g} degrees off",
+            f"worst {math.degrees(accuracy.normal.max):.2g} degrees",
         ),
         (
             PROVED,
-            f"field to {format_length(field_bound(model))}, "
-            f"surface within {format_length(shell_bound(model))} of the shell",
+            f"field error {format_length(field_bound(model))}, "
+            f"distance to the shell {format_length(shell_bound(model))}",
         ),
     ]
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-FORMS = "3 (x y z), 7 (x y z, then a quaternion x y z w) or 16 (the 4x4 matrix, row by row)"
+FORMS = "3 numbers (x y z), 7 (x y z, then a quaternion x y z w) or 16 (a 4x4 matrix, row by row)"
 """The numbers that a pose consists of."""
 
 _WHAT = "file of poses"
@@ -49,7 +49,7 @@ def make_pose(numbers: ArrayLike, name: str) -> NDArray[np.float64]:
     """
     values = np.asarray(numbers, dtype=np.float64)
     if len(values) not in (3, 7, 16):
-        raise PoseError(f"{name} must be {FORMS} numbers, not {len(values)}")
+        raise PoseError(f"{name} must be {FORMS}, not {len(values)}")
     return as_rigid_pose(values.reshape(4, 4) if len(values) == 16 else values, name)
 
 

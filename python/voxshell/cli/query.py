@@ -85,9 +85,9 @@ def query(
         b: The second body. Normals point from it toward the first.
         pose: Pose of b.
         a_pose: Pose of a.
-        poses: Many poses of b: a .csv file with one pose per line, or a .npy file, (n, 4, 4) or
-            rows.
-        ask: The query; wrench needs --stiffness.
+        poses: Many poses of b: a .csv file with one pose per line, or a .npy file with an array of
+            shape (n, 4, 4), (n, 3), (n, 7) or (n, 16).
+        ask: What to compute; wrench needs --stiffness.
         shell: The body whose points are tested. auto chooses the body, or both, that misses least;
             fewest chooses the body with fewer points.
         margin: Distance in meters up to which points count as contacts.

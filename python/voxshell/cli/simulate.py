@@ -45,9 +45,9 @@ def scene(
 ) -> None:
     """Simulate a scene file: bodies of meshes and shapes that fall, slide and collide.
 
-    Writes the outputs that the file names into OUT: index.html (an offline replay), poses and
-    contacts (Parquet or CSV), plot.png, and results.json (settings, final states, times). The files
-    appear once all are complete.
+    Writes the outputs that the scene file requests to the folder OUT: index.html (an offline
+    replay), poses and contacts (Parquet or CSV), plot.png, and results.json (settings, final states,
+    times). The files appear once all are complete.
 
     A short scene:
 
@@ -78,8 +78,8 @@ def scene(
         export: Also write the motion as recording.mp4 or recording.gif (videos), recording.glb
             (glTF: Blender, three.js, Unity) or recording.usda or recording.usdc (Universal Scene
             Description).
-        watch: Show the simulation in the browser at the address that is printed, and begin when
-            somebody presses Resume there. Dragging bodies there changes the results.
+        watch: Print the address of a page that shows the simulation, and wait until you press Resume
+            on it. If you drag bodies there, the results change.
         json_only: Print only the content of results.json.
     """
     from voxshell.cli.scene_report import check_extras, describe_results, list_files, write_outputs

@@ -32,7 +32,7 @@ class Finding(NamedTuple):
         category: Of the warning.
         text: The warning about one model that :meth:`Model.from_mesh` builds, with its remedies.
         defect: What is wrong, for a list of several models: "3 open edges".
-        handling: What was done about it, if anything: "it was turned".
+        handling: What was done about it, if anything: "voxshell turned it".
     """
 
     category: type[Warning]
@@ -75,7 +75,7 @@ def _find_faults(core: CoreModel, widest_rim: float, open_as: str) -> list[Findi
     grid = core.grid
     found = []
     if grid.was_turned:
-        defect, handling = "inside out as a whole", "it was turned"
+        defect, handling = "inside out as a whole", "voxshell turned it"
         found.append(_fault(f"mesh is {defect}; {handling}", defect, handling))
     opening = _describe_openings(core, widest_rim, open_as)
     open_edges, non_manifold, flipped, overlaps, hidden = grid.faults
@@ -94,7 +94,7 @@ def _find_faults(core: CoreModel, widest_rim: float, open_as: str) -> list[Findi
             found.append(opening._replace(text=f"mesh is open: {opening.text}"))
         elif flipped or non_manifold:
             defect = ", ".join(faults)
-            handling = "its triangles were turned to face outward, and repeated ones left out"
+            handling = "voxshell turned its triangles to face outward, and dropped repeated ones"
             found.append(
                 _fault(
                     f"mesh has {defect}, the first near [{place}] meters; {handling}; the model's mesh is closed",
@@ -118,7 +118,7 @@ def _find_faults(core: CoreModel, widest_rim: float, open_as: str) -> list[Findi
         _fault(
             f"mesh is not one closed surface: {defect}, the first near [{place}] meters; {handling}, "
             f"with a confidence of {grid.sign_confidence:.3f}{union and '; '}{union}{more[0]}; "
-            "repair the mesh; sign='winding' silences this warning",
+            "repair the mesh, or pass sign='winding' to silence this warning",
             f"{defect}{more[1]}",
             f"{handling}{union and ', and '}{union}{more[2]}",
         )
@@ -223,19 +223,19 @@ def _describe_openings(core: CoreModel, widest_rim: float, open_as: str) -> Find
     count = "1 opening" if loops == 1 else f"{loops} openings"
     defect = f"{count}, the largest {widest_rim or diameter:.3g} m across"
     where = (
-        f"{defect}, the first near [{place}] meters; caps would have {100.0 * fraction:.3g} % of the "
-        "surface's area"
+        f"{defect}, the first near [{place}] meters; caps over them would have {100.0 * fraction:.3g} % of "
+        "the surface's area"
     )
     if thickness > 0.0:
         tube = f", and {mouths} of them are ends of a tube" if mouths > 1 else ""
-        handling = f"it was kept as a sheet {thickness:.3g} m thick"
+        handling = f"voxshell kept it as a sheet {thickness:.3g} m thick"
         return _fault(
             f"{where}{tube}, so {handling}; pass open='sheet' and sheet_thickness for another thickness, "
             "or open='solid' to close it",
             defect,
             handling,
         )
-    handling = "it was closed to a solid"
+    handling = "voxshell closed it to a solid"
     return _fault(
         f"{where}, so {handling}; pass open='sheet' to keep it as a sheet", defect, handling
     )

@@ -25,7 +25,7 @@ from voxshell.base.arguments import (
 from voxshell.base.calls import explain_calls
 from voxshell.base.extras import explain_import
 from voxshell.base.input_files import check_exists
-from voxshell.base.outputs import check_suffix
+from voxshell.base.outputs import check_suffix, explain_missing_folder
 from voxshell.base.user_warnings import shorten_path
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, MissingFileError
 from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
@@ -71,8 +71,8 @@ _LONG = 10.0
 """A mesh longer than this, in meters, is probably in millimeters."""
 
 _REMEDY_FOR_UNITS = (
-    "pass Model.from_mesh(..., scale=0.001), write scale = 0.001 in a scene file, or give a command --scale "
-    "0.001; scale=1 accepts the size"
+    "pass Model.from_mesh(..., scale=0.001), write scale = 0.001 in a scene file, or pass --scale 0.001 to "
+    "a command; if it is in meters, scale=1 silences this warning"
 )
 
 
@@ -148,9 +148,11 @@ def _read_unit(mesh: Any) -> float:
     try:
         unit = float(unit_conversion(stated, "meters"))
     except (KeyError, ValueError) as error:
-        raise MeshError(f"mesh.units is {stated!r}, which is no length; pass scale") from error
+        raise MeshError(
+            f"mesh.units is {stated!r}, which is not a unit of length; pass scale="
+        ) from error
     if not (np.isfinite(unit) and unit > 0.0):
-        raise MeshError(f"mesh.units is {stated!r}, which is no length; pass scale")
+        raise MeshError(f"mesh.units is {stated!r}, which is not a unit of length; pass scale=")
     return float(f"{unit:.12g}")  # trimesh converts by way of inches
 
 
@@ -185,9 +187,7 @@ def as_model_path(path: str | os.PathLike[str]) -> bytes:
         try:
             os.stat(file.parent)
         except (FileNotFoundError, NotADirectoryError):
-            raise MissingFileError(
-                f"cannot write {file}: folder does not exist: {file.parent}"
-            ) from None
+            raise MissingFileError(explain_missing_folder(file)) from None
         except OSError:
             pass  # the core's error says which
     return place

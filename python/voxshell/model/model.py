@@ -384,7 +384,7 @@ class Model:
             "points of the shell": f"{len(self.shell):,}, {1e3 * self.shell.spacing:.3g} mm apart",
             "field": f"{x} x {y} x {z} nodes, {1e3 * self.field.voxel_size:.3g} mm apart, "
             f"{self.field.nbytes / 1e6:.1f} MB",
-            "field off by": f"{in_millimeters(self.accuracy.distance.median)} mm median, "
+            "field error": f"{in_millimeters(self.accuracy.distance.median)} mm median, "
             f"{in_millimeters(self.accuracy.distance.max)} mm worst",
         }
         return make_table("Model", facts)

@@ -64,7 +64,8 @@ def contacts(
         margin: Meters. Above 0, points within this distance of the surface are contacts, too, with
             negative depths. Below 0, only points of at least this depth are contacts.
         level: Level of the point-sphere tree, 1 to 12, that defines :attr:`Contacts.segments` and
-            :meth:`Contacts.deepest_per_segment`. None is level 1, which has a single segment.
+            :meth:`Contacts.deepest_per_segment`. None is level 1: segment 0 has all points, and 1
+            all edge segments.
         max_points: Largest number of contacts. If there are more, the deepest are returned; among
             equally deep ones, those that come first.
         budget: Largest number of tree nodes to visit for each shell, at least 1. A node is eight

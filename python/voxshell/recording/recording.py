@@ -171,7 +171,7 @@ class Recording:
 
         Raises:
             MissingExtraError: The viewer is not installed.
-            InputTypeError: ``title`` or ``label`` is not a text, or there is no such option.
+            InputTypeError: ``title`` or ``label`` is not a string, or there is no such option.
             SettingsError: The suffix is not .html, the path is a folder, a device or a pipe, or an
                 option is invalid.
             FileAccessError: The file cannot be written, or its folder does not exist.

@@ -38,12 +38,12 @@ def warn_of_robot(robot: RobotDescription, matter: Matter) -> None:
     )
     if lacks:
         said.append(
-            f"lacks what a simulation needs: {lacks}; complete the file to avoid this warning"
+            f"lacks values that a simulation needs: {lacks}; complete the file to avoid this warning"
         )
     if robot.unknown:
         shown = [f"{what} ({_cut(places)})" for what, places in robot.unknown.items()]
         said.append(
-            f"has elements that are unknown and not read: {_cut(shown)}; correct or remove them"
+            f"has unknown elements, which are not read: {_cut(shown)}; correct or remove them"
         )
     if matter.with_large_inertia:
         shown = [
@@ -84,23 +84,26 @@ def _find_lacks(robot: RobotDescription, matter: Matter) -> Iterator[tuple[str, 
         for joint in robot.joints
         if joint.mimic is not None and not (joint.effort or efforts[joint.mimic[0]])
     ]
-    hulls = "the convex hulls of its collision geometry"
+    hulls = "the convex hulls of their collision geometry"
     thickness = 1e3 * max(robot.flat.values(), default=0.0)
     for text, names in (
-        (f"no mass: used {DENSITY:g} kg/m3 of {hulls}", matter.without_mass),
-        (f"no mass and no shape: used {GHOST_MASS:g} kg", matter.without_shape),
-        (f"no valid inertia: used that of {hulls}", matter.without_inertia),
+        (f"links without a mass got that of {hulls} at {DENSITY:g} kg/m3", matter.without_mass),
+        (f"links without a mass and a shape got {GHOST_MASS:g} kg", matter.without_shape),
+        (f"links without a valid inertia got that of {hulls}", matter.without_inertia),
         (
-            "an inertia that no body has: reduced its largest moment to the sum of the others",
+            "impossible inertias had their largest moment reduced to the sum of the others",
             matter.with_bounded_inertia,
         ),
-        ("no <collision>: nothing touches it, whatever is seen of it", robot.intangible),
+        ("links without <collision> touch nothing, although they are visible", robot.intangible),
         (
-            "no <limit>, or a lower above the upper one: it moves without limits",
+            "joints without <limit>, or with a lower limit above the upper one, move without limits",
             robot.without_limits,
         ),
-        (f"a flat collision mesh: made it a sheet {thickness:.3g} mm thick", list(robot.flat)),
-        (f"no effort to follow its leader with: used {MIMIC_EFFORT:g} N or N m", weak),
+        (f"flat collision meshes became sheets {thickness:.3g} mm thick", list(robot.flat)),
+        (
+            f"joints that mimic others and state no effort follow with {MIMIC_EFFORT:g} N or N m",
+            weak,
+        ),
     ):
         if names:
             yield text, names

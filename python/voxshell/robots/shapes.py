@@ -33,7 +33,8 @@ _DEFAULT_RESOLUTION = 100
 long to build, measured with six robots."""
 
 _REMEDY_FOR_UNITS = (
-    'give the mesh scale="0.001 0.001 0.001" in the robot\'s file; "1 1 1" accepts the size'
+    'give the mesh scale="0.001 0.001 0.001" in the robot\'s file; if it is in meters, scale="1 1 1" '
+    "silences this warning"
 )
 
 _ELLIPSOID_SUBDIVISIONS = 4

@@ -89,8 +89,10 @@ def complete_positions(
     unknown = [name for name in positions if name not in moving]
     if unknown:
         raise SettingsError(
-            f"positions names {', '.join(map(show_value, unknown))}, but {owner} that turn "
-            f"or slide are {', '.join(map(show_value, moving)) or 'none'}"
+            f"positions names {', '.join(map(show_value, unknown))}, but the {owner} that turn "
+            f"or slide are {', '.join(map(show_value, moving))}"
+            if moving
+            else f"positions names {', '.join(map(show_value, unknown))}, but none of the {owner} turns or slides"
         )
     for name, position in positions.items():
         _check_limits(moving[name], position)

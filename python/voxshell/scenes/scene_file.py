@@ -110,8 +110,9 @@ def _for_meshes(path: Path) -> str:
         'ground = { shape = "plane" }',
     )
     return (
-        f"if it is a mesh, {drop}run voxshell simulate scene.toml --out result with a file scene.toml of five "
-        f"lines, and scale = 0.001 after the second for a mesh in millimeters: {' | '.join(lines)}"
+        f"if it is a mesh, {drop}write a file scene.toml and run voxshell simulate scene.toml --out result; it "
+        "needs these five lines, separated by |, and scale = 0.001 after the second for a mesh in millimeters: "
+        f"{' | '.join(lines)}"
     )
 
 
@@ -136,10 +137,10 @@ def _make_scene(path: Path, text: str, tables: dict[str, Any]) -> Scene:
         parts = {f"parts[{index}].": part for index, part in enumerate(body.parts)}
         for place, part in {"": body, **parts}.items():
             if part.mesh is not None and part.mesh not in scene.meshes:
-                known = list_names(scene.meshes) or "none"
+                known = list_names(scene.meshes)
                 raise SettingsError(
-                    f"bodies.{name}.{place}mesh is {part.mesh!r}, which is not in [meshes]; there are: "
-                    f"{known}"
+                    f"bodies.{name}.{place}mesh is {part.mesh!r}, but the scene has "
+                    + (f"only the meshes {known}" if known else "no [meshes.NAME]")
                 )
     for name, joint in scene.joints.items():
         _check_joint(scene, name, joint)
@@ -152,8 +153,7 @@ def _check_joint(scene: Scene, name: str, joint: JointSettings) -> None:
         body = getattr(joint, key)
         if body is not None and body not in scene.bodies:
             raise SettingsError(
-                f"joints.{name}.{key} is {body!r}, which is not in [bodies]; there are: "
-                f"{list_names(scene.bodies)}"
+                f"joints.{name}.{key} is {body!r}, but the scene has only the bodies {list_names(scene.bodies)}"
             )
     if joint.parent == joint.child:
         raise SettingsError(f"joints.{name}.parent must not be the child itself")

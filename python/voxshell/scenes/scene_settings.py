@@ -55,7 +55,7 @@ class WorldSettings:
             as_integer(self.level, "level", 1, 12)
             if self.contact == "regular":
                 raise SettingsError(
-                    "level is for segmented contacts; leave it out or change contact"
+                    'level has no effect with contact = "regular"; leave it out, or write "segmented"'
                 )
         if self.ccd_motion_threshold is not None and not self.ccd_motion_threshold >= 0.0:
             raise SettingsError(

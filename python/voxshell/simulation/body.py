@@ -403,7 +403,7 @@ class Body(BodyProperties):
             raise SettingsError(f"body {self.name!r} is static: {what} cannot move it")
         if self.motion == "kinematic":
             raise SettingsError(
-                f"body {self.name!r} is kinematic: set its pose before each step, not {what}"
+                f"body {self.name!r} is kinematic: set its pose before each step instead of {what}"
             )
         return self._simulation
 

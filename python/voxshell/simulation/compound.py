@@ -66,7 +66,9 @@ class Compound:
             matrix = as_rigid_pose(pose, f"the pose of parts[{index}]")
             self.parts.append((shape, matrix.copy()))
         if not self.parts:
-            raise SettingsError("give at least one part")
+            raise SettingsError(
+                "parts must contain at least one part, a pair of a shape and its pose"
+            )
 
     def __repr__(self) -> str:
         return f"Compound({', '.join(repr(shape) for shape, _ in self.parts)})"

@@ -47,7 +47,7 @@ class JointFrames:
         if self.world_from_joint is not None:
             if self.parent_from_joint is not None or self.child_from_joint is not None:
                 raise SettingsError(
-                    "give world_from_joint, or the frames in the bodies, but not both"
+                    "give either world_from_joint, or parent_from_joint and child_from_joint, not both"
                 )
             world_from_joint = as_rigid_pose(self.world_from_joint, "world_from_joint")
             return invert(world_from_parent) @ world_from_joint, invert(

@@ -35,12 +35,12 @@ def check_mass(kilograms: float, label: str) -> None:
     if kilograms > _bullet.most_mass:
         raise SettingsError(
             f"mass of {label} is {kilograms:g} kg; above {_bullet.most_mass:g} kg, bodies pass "
-            "through all others in Bullet; use a smaller mass, or 0 for a body that nothing moves"
+            "through all others in Bullet; use a smaller mass, or 0 for a static body"
         )
     if 0.0 < kilograms < _LEAST_MASS:
         raise SettingsError(
-            f"mass of {label} is {kilograms:g} kg; use at least {_LEAST_MASS:g} kg, or 0 for a body that "
-            "nothing moves"
+            f"mass of {label} is {kilograms:g} kg; use at least {_LEAST_MASS:g} kg, or 0 for a "
+            "static body"
         )
 
 
@@ -68,7 +68,7 @@ def doubt_gravity(gravity: ArrayLike) -> None:
     if strength > _STRONGEST:
         warn_user(
             f"gravity is {strength:g} m/s2, {strength / _OF_THE_EARTH:.0f} times that of the Earth: lengths are in "
-            "meters, so that of the Earth is (0, 0, -9.81)",
+            "meters; for the Earth's gravity, pass (0, 0, -9.81)",
             UnitWarning,
         )
 

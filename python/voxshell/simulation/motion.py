@@ -36,7 +36,7 @@ def check_surface(motion: Motion, name: str, moves_surfaces: bool) -> None:
     """
     if motion != "kinematic":
         raise SettingsError(
-            f"surface_velocity is for kinematic bodies and {name} is {motion}: pass motion='kinematic'"
+            f"surface_velocity needs a kinematic body, but {name} is {motion}: pass motion='kinematic'"
         )
     if not moves_surfaces:
         raise SettingsError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NoReturn
 
+from voxshell.base.settings import list_names
 from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
@@ -64,7 +65,12 @@ def check_same(
         added = [it.name for it in now if it not in then]
         gone = [it.name for it in then if it not in now]
         if added or gone:
+            changes = [
+                f"{len(names)} {how} ({list_names(map(repr, names))})"
+                for how, names in (("added", added), ("removed", gone))
+                if names
+            ]
             raise SettingsError(
-                f"the world's {what} differ from those of the state: {len(added)} added {added}, "
-                f"{len(gone)} removed {gone} since it was saved"
+                f"the world's {what} have changed since the state was saved: {', '.join(changes)}; "
+                "save a new state after bodies or joints change"
             )

@@ -74,8 +74,9 @@ class World(ViewedWorld):
         time_step: Seconds per step: 1/200 for 200 steps a second.
         gravity: (3,), m/s2, world frame.
         contact: How contacts of models become Bullet's contact points. "regular": the deepest and
-            those that span the largest area, at most four. "segmented": the deepest of each cluster
-            of the point-sphere tree at ``level``, or up to four of each if a body rests on few.
+            those that span the largest area, at most four; steps with CCD are segmented here, too.
+            "segmented": the deepest of each cluster of the point-sphere tree at ``level``, or up to
+            four of each if a body rests on few.
             "auto": the mode in which bodies rest best, at present segmented with up to four points
             each on few clusters, whether bodies move or not.
         shell: The model of a pair whose points are tested. "auto": the model whose shell misses
@@ -166,7 +167,9 @@ class World(ViewedWorld):
         as_choice(contact, "contact", _CONTACT_MODES)
         as_choice(shell, "shell", _SHELL_RULES)
         if level is not None and contact == "regular":
-            raise SettingsError("level is for segmented contacts; leave it out or change contact")
+            raise SettingsError(
+                "level has no effect with contact='regular'; leave it out, or pass contact='segmented'"
+            )
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
         acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")

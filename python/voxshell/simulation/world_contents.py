@@ -348,7 +348,9 @@ class WorldContents:
             self._check_own(parent, "parent")
         self._check_own(child, "child")
         if parent is child:
-            raise SettingsError(f"parent and child are both {child.name!r}")
+            raise SettingsError(
+                f"parent and child are both {child.name!r}; pass another parent, or None for the world"
+            )
         if child.motion != "dynamic" and (parent is None or parent.motion != "dynamic"):
             raise SettingsError(
                 "a joint needs a body that can move: "
@@ -395,7 +397,7 @@ class WorldContents:
         self._check_own(a, "a")
         self._check_own(b, "b")
         if a is b:
-            raise SettingsError(f"a and b are both {a.name!r}")
+            raise SettingsError(f"a and b are both {a.name!r}; pass two different bodies")
 
     def _check_own(self, body: Body, name: str) -> None:
         if not isinstance(body, Body):

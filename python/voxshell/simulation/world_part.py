@@ -25,7 +25,7 @@ class WorldPart:
         """A name for people; settable.
 
         Raises:
-            InputTypeError: The new name is not a text.
+            InputTypeError: The new name is not a string.
         """
         return self._name
 
@@ -58,7 +58,7 @@ class WorldPart:
 def check_own(part: WorldPart, simulation: _bullet.Simulation) -> None:
     """Refuse a body or joint of another world, or one that was removed."""
     if part._simulation is not simulation:
-        raise SettingsError(f"{part._title} belongs to another world")
+        raise SettingsError(f"{part._title} belongs to another world; pass one of this world")
 
 
 def refuse_added(body: WorldPart, simulation: _bullet.Simulation) -> NoReturn:

@@ -78,7 +78,7 @@ class ViewedWorld(WorldQueries):
         Raises:
             MissingExtraError: The viewer is not installed.
             SettingsError: A view of this world is open already, or an argument is out of range.
-            InputTypeError: ``colors`` does not map bodies to colors, or ``title`` is not a text.
+            InputTypeError: ``colors`` does not map bodies to colors, or ``title`` is not a string.
 
         Example:
             >>> import voxshell as vx

@@ -39,13 +39,13 @@ class Options:
     """What all experiments take.
 
     Attributes:
-        out: The folder to write into; finished parts that are there already are not run again.
-        quick: Fewer orientations, phases and steps.
+        out: The folder to write to. Parts that are complete there do not run again.
+        quick: Run fewer orientations, phases and steps.
         settings: A TOML file with one table per experiment; its keys override settings.
-        scheduler: Address of a Dask scheduler, such as tcp://10.0.0.1:8786: untimed parts run
-            there.
-        jobs: Processes for untimed parts and figures; one per core by default.
-        json_only: Print the rows as JSON and nothing else.
+        scheduler: Address of a Dask scheduler that runs the untimed parts, such as
+            tcp://10.0.0.1:8786.
+        jobs: Number of processes for untimed parts and figures; one per core by default.
+        json_only: Print only JSON: the rows of the report.
     """
 
     out: Path = Path("reproduction")
@@ -151,7 +151,7 @@ for _experiment in EXPERIMENTS:
 
 @reproduce.command(name="all")
 def everything(*, options: Options = DEFAULTS) -> None:
-    """All experiments, and one report: index.html, an offline page, and report.json."""
+    """Run all experiments, and write one report: index.html, an offline page, and report.json."""
     from voxshell_studies.report.page import PAGE, ROWS, write_report
 
     findings = run(EXPERIMENTS, options)

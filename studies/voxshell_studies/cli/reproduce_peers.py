@@ -38,22 +38,22 @@ def peers(
     only: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")] = (),
     json_only: Annotated[bool, Parameter(name="--json", negative="")] = False,
 ) -> None:
-    """Contacts, depths and drops of the bunny: voxshell, Bullet, MuJoCo, ODE, coal, fcl, Drake.
+    """Compare contacts, depths and drops of voxshell, Bullet, MuJoCo, ODE, coal, fcl and Drake.
 
-    Each peer runs in a process of its own; one that is not installed, crashes or hangs is a row
-    that says so. Rows that are done are not measured again.
+    Each peer runs in its own process. If a peer is not installed, crashes or hangs, its row says
+    so. Finished rows are not measured again.
 
     For example:
 
         voxshell reproduce peers --quick --only voxshell coal
 
     Args:
-        out: The folder to write into.
-        quick: Shorter, with fewer drops, and without the convex decomposition unless it is kept
-            from an earlier run.
+        out: The folder to write to.
+        quick: Measure for a shorter time, with fewer drops, and without the convex decomposition
+            unless an earlier run has kept it.
         settings: A TOML file; the keys of its table [peers] override settings.
-        only: Peers to measure, by key, such as voxshell coal mujoco-hull; all by default.
-        json_only: Print the results as JSON and nothing else.
+        only: Keys of the peers to measure, such as voxshell coal mujoco-hull; all by default.
+        json_only: Print only JSON: the results.
     """
     from voxshell_studies.peers.comparison import compare
     from voxshell_studies.settings import override, read_settings_file
@@ -66,7 +66,7 @@ def peers(
     known = [peer.key for peer in PEERS]
     for key in only:
         if key not in known:
-            raise SettingsError(f"there is no peer {key!r}; there are: {', '.join(known)}")
+            raise SettingsError(f"unknown peer {key!r}; valid peers: {', '.join(known)}")
     progress = open_progress(Console(quiet=json_only, stderr=True))
     tracks: dict[str, Track] = {}
 

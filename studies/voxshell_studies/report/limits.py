@@ -141,7 +141,7 @@ def draw(settings: LimitsSettings, results: Results, folder: Path) -> list[Pictu
 LIMITS = Experiment(
     name="limits",
     title="Limits",
-    question="How far off is motion in the scenes of the page of limits, at default settings?",
+    question="How far is motion from the truth in the scenes of the limits page, at default settings?",
     describe=describe,
     settings=LimitsSettings(),
     quick=replace(LimitsSettings(), placements=1),

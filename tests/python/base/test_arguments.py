@@ -162,7 +162,7 @@ def test_texts_and_callables_are_of_their_kind():
     assert arguments.as_text("part", "name") == "part"
     arguments.check_callable(None, "progress")
     arguments.check_callable(print, "progress")
-    with pytest.raises(vx.InputTypeError, match="name must be a text, not int"):
+    with pytest.raises(vx.InputTypeError, match="name must be a string, not int"):
         arguments.as_text(5, "name")
     with pytest.raises(vx.InputTypeError, match="progress must be callable, not int"):
         arguments.check_callable(5, "progress")

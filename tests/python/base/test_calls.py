@@ -21,7 +21,12 @@ MESH = trimesh.creation.box()
 
 WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] = [
     (vx.World, (), {"dt": 0.01}, r"World() has no argument 'dt': did you mean time_step? "),
-    (vx.World, (0.01, (0, 0, -9.81)), {}, r"World() takes time_step by position, but 2 arg"),
+    (
+        vx.World,
+        (0.01, (0, 0, -9.81)),
+        {},
+        r"World() takes 1 positional argument (time_step), but 2 were given",
+    ),
     (WORLD.add, (vx.Sphere(1), 1.0), {}, "as in add(shape, mass=1.0, pose=(0, 0, 1)). Call it as"),
     (WORLD.add, (), {}, "World.add() needs shape. Call it as World.add(shape, *, pose=..., "),
     (WORLD.add, (vx.Sphere(1),), {"position": (0, 0, 1)}, "'position': did you mean pose?"),
@@ -35,7 +40,7 @@ WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] = [
         WORLD.view,
         (8080,),
         {},
-        "World.view() takes nothing by position, but 1 argument was given so: name all",
+        "World.view() takes no positional arguments, but 1 was given: name all",
     ),
     (WORLD.step, (), {"dt": 0.01}, "'dt': it belongs to the world: World(time_step=...)"),
     (BALL.apply_force, (0, 0, 1), {}, "pass the three numbers as one argument: apply_force((0, 0,"),
@@ -53,7 +58,7 @@ WRONG: list[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any], str]] = [
     (vx.Cylinder, (), {"radius": 1, "height": 2}, "no argument 'height': did you mean length?"),
     (vx.Cone, (), {"radius": 1, "length": 2}, "no argument 'length': did you mean height?"),
     (vx.Compound, (vx.Sphere(1), vx.Sphere(2)), {}, "Compound([(shape, pose), ...])"),
-    (vx.Model.from_mesh, (MESH, 0.001), {}, "as in scale=0.001; vertices and faces are one"),
+    (vx.Model.from_mesh, (MESH, 0.001), {}, "as in scale=0.001; pass vertices and faces as one"),
     (vx.Model.from_mesh, (MESH,), {"tolerence": 1e-3}, "'tolerence': did you mean tolerance?"),
     (
         vx.distance,

@@ -101,7 +101,7 @@ def test_a_link_to_nothing_does_not_exist(tmp_path: Path):
 @pytest.mark.parametrize("name", ENTRANCES)
 def test_addresses_are_told_from_missing_files(name: str):
     with pytest.raises(
-        vx.MissingFileError, match=f"{name}: .* is a URL, and only files are read; do"
+        vx.MissingFileError, match=f"{name}: it is a URL; download it, and pass the path"
     ):
         ENTRANCES[name](f"https://example.com/{name}")
 

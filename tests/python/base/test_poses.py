@@ -123,7 +123,7 @@ def test_rotations_a_little_off_become_the_nearest():
             vx.pose((1, 2, 3)).T,
             "last row must be 0, 0, 0, 1, and is off by 3; .* transposed, so pass pose\\.T",
         ),
-        ((0, 0, 0, 0, 0, 0, 2), "has length 2 instead of 1"),
+        ((0, 0, 0, 0, 0, 0, 2), "has the length 2 instead of 1"),
         ((0, 0, math.nan), "not finite"),
         (np.eye(3), "not an array of shape \\(3, 3\\) and type float64; for a rotation"),
     ],

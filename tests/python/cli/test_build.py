@@ -43,7 +43,7 @@ def test_faults_are_warned_of_without_a_place_in_the_code(voxshell, tmp_path):
     assert ended.code == 0
     [warning] = [line for line in ended.err.splitlines() if line.startswith("warning: ")]
     assert "3 open edges" in warning
-    assert "; repair the mesh; --sign winding silences this warning" in warning
+    assert "; repair the mesh, or pass --sign winding to silence this warning" in warning
     assert ".py" not in ended.err
     quiet = ("--sign", "winding", "--json")
     ended = voxshell(

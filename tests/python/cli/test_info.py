@@ -70,7 +70,7 @@ def test_open_mesh_is_told_to_be_open(voxshell, tmp_path):
     assert "3 open" in told["warnings"][0]
 
 
-WORDS = ("field off by", "surface seen to", "normals", "proved bound")
+WORDS = ("field error", "shell coverage", "normal error", "proven bounds")
 
 # Within these factors of what is measured when the models are really built.
 FACTORS = {

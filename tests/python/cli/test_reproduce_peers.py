@@ -67,7 +67,7 @@ def test_second_run_reads_what_the_first_measured(printed, settings, out):
 @pytest.mark.parametrize(
     ("arguments", "table", "message"),
     [
-        (("--only", "coral"), "", "there is no peer 'coral'; there are: voxshell, "),
+        (("--only", "coral"), "", "unknown peer 'coral'; valid peers: voxshell, "),
         ((), "rate = [20]", "peers.rate: unknown setting; valid settings: case_seconds, rates"),
         ((), "rates = [0]", "peers.rates must be above 0, not 0"),
         ((), "time_limit = -1", "peers.time_limit must be above 0, not -1"),

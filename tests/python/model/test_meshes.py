@@ -164,7 +164,7 @@ def test_a_faulty_surface_is_refused_where_it_must_be_closed(faces: np.ndarray, 
     [
         (
             FACES[1:],
-            r"surface: 3 open edges, the first near .* sign='winding' silences this warning$",
+            r"surface: 3 open edges, the first near .* pass sign='winding' to silence this warning$",
         ),
         (FACES[:, ::-1], "inside out"),
     ],
@@ -187,7 +187,7 @@ def test_parts_that_overlap_are_said_to_become_their_union():
             "surface: overlapping parts (12 triangles wholly or partly inside others), the" in text
         )
         assert (
-            "; the model is the union of its parts; repair the mesh; sign='winding' silences"
+            "; the model is the union of its parts; repair the mesh, or pass sign='winding' to silence"
             in text
         )
     with warnings.catch_warnings():
@@ -389,7 +389,7 @@ def test_an_interrupt_is_not_taken_for_a_fault_of_the_file(tmp_path: Path, monke
 
 
 def test_an_address_is_not_fetched():
-    with pytest.raises(vx.MissingFileError, match="does not exist"):
+    with pytest.raises(vx.MissingFileError, match="it is a URL; download it"):
         build("https://example.com/bunny.stl")
 
 

@@ -100,7 +100,7 @@ def test_files_that_cannot_be_reached_are_errors(part, tmp_path):
         with pytest.raises(vx.FileAccessError, match=str(path)):
             part.save(path)
     missing = tmp_path / "no" / "folder.vxs"
-    with pytest.raises(vx.MissingFileError, match=f"folder does not exist: {missing.parent}"):
+    with pytest.raises(vx.MissingFileError, match=f"the folder {missing.parent} does not exist"):
         part.save(missing)
     for path in ("", "a\0b"):
         with pytest.raises(vx.FileAccessError, match="must name a file"):

@@ -30,7 +30,9 @@ def quietly(mesh: trimesh.Trimesh, **options: object) -> vx.Model:
 
 
 def test_a_tube_lets_a_ball_through_and_collides_from_both_sides():
-    with pytest.warns(vx.MeshWarning, match="2 of them are ends of a tube, so it was kept") as said:
+    with pytest.warns(
+        vx.MeshWarning, match="2 of them are ends of a tube, so voxshell kept it"
+    ) as said:
         model = vx.Model.from_mesh(tube())
     [warning] = said
     for words in (
@@ -123,7 +125,7 @@ def test_a_bunny_with_holes_stays_a_solid(bunny_mesh: trimesh.Trimesh):
     chosen = centers[np.random.default_rng(1).integers(0, len(centers), 5)]
     near = np.linalg.norm(centers[:, None] - chosen[None], axis=2).min(axis=1) < 0.03 * size
     pierced = trimesh.Trimesh(bunny_mesh.vertices, bunny_mesh.faces[~near])
-    with pytest.warns(vx.MeshWarning, match=r"5 openings.*closed to a solid; pass open='sheet'"):
+    with pytest.warns(vx.MeshWarning, match=r"5 openings.*closed it to a solid; pass open='sheet'"):
         model = vx.Model.from_mesh(pierced, resolution=50)
     asked = quietly(pierced, resolution=50, open="solid")
     for one, other in zip(
@@ -174,5 +176,5 @@ def test_a_model_from_the_cache_warns_again(tmp_path, monkeypatch):
     monkeypatch.setenv("VOXSHELL_CACHE_DIR", str(tmp_path))
     monkeypatch.setenv("VOXSHELL_CACHE_SIZE", "1 GB")
     for _ in range(2):
-        with pytest.warns(vx.MeshWarning, match="kept as a sheet"):
+        with pytest.warns(vx.MeshWarning, match="kept it as a sheet"):
             vx.Model.from_mesh(bowl())

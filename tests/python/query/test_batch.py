@@ -246,9 +246,9 @@ def test_wrong_poses_are_refused_by_name_and_index(ball: vx.Model, batch, name: 
 @pytest.mark.parametrize("batch", BATCHES)
 def test_unequal_numbers_of_poses_are_refused(ball: vx.Model, batch):
     a, b = np.tile(np.eye(4), (3, 1, 1)), np.tile(np.eye(4), (4, 1, 1))
-    with pytest.raises(vx.SettingsError, match=r"equally many.*3 and 4"):
+    with pytest.raises(vx.SettingsError, match=r"same number of poses.*3 and 4"):
         batch(ball, vx.Plane(), a, b)
-    with pytest.raises(vx.SettingsError, match=r"equally many.*3 and 1"):
+    with pytest.raises(vx.SettingsError, match=r"same number of poses.*3 and 1"):
         batch(ball, vx.Plane(), a, b[:1])
 
 

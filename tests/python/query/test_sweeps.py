@@ -344,7 +344,8 @@ def test_wrong_arguments_are_named(box, options, error, message):
 def test_wrong_batches_are_named(box, motions):
     starts, ends = motions
     with pytest.raises(
-        vx.SettingsError, match=r"^a_poses and a_ends must be equally many.*they are 60 and 59$"
+        vx.SettingsError,
+        match=r"^a_poses and a_ends must have the same number.*they have 60 and 59$",
     ):
         vx.sweep_batch(box, vx.Plane(), starts, a_ends=ends[1:])
     bad = ends.copy()

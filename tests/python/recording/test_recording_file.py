@@ -74,7 +74,7 @@ def test_another_suffix_is_refused(tmp_path: Path, name: str):
 
 def test_places_that_cannot_be_used_have_typed_errors(tmp_path: Path):
     recording = make_recording()
-    with pytest.raises(vx.MissingFileError, match="folder does not exist"):
+    with pytest.raises(vx.MissingFileError, match=r"the folder .* does not exist; create it first"):
         recording.save(tmp_path / "no" / "fall.npz")
     with pytest.raises(vx.MissingFileError, match="it does not exist"):
         Recording.load(tmp_path / "fall.npz")

@@ -220,7 +220,7 @@ def test_a_model_of_mujoco_is_put_at_positions(world, tmp_path):
 @pytest.mark.parametrize(
     ("positions", "message"),
     [
-        ({"elbow": 0.1}, "positions names 'elbow', but joints of robot 'tester' that turn or slide are"),
+        ({"elbow": 0.1}, "positions names 'elbow', but the joints of robot 'tester' that turn or slide are"),
         ({"turn": 1.0, "lift": 0.4}, "limits, 0 to 0.3 m"),
         ({"turn": math.inf}, "must be finite"),
     ],

@@ -78,7 +78,7 @@ def test_faulty_meshes_are_listed_with_their_links_and_files(write, open_box, tm
     _, [said] = load(path)
     assert said.startswith(f"{path} has faulty meshes; winding numbers decide what is inside")
     assert "'a', 'b' (open.stl: 3 open edges, 1 opening, the largest 0.141 m across)" in said
-    assert "it was turned: 'c' (inverted.stl: inside out as a whole)" in said
+    assert "voxshell turned it: 'c' (inverted.stl: inside out as a whole)" in said
     assert said.endswith("; repair them, or pass mesh_as='hull', to avoid this warning")
     assert "sign=" not in said
     assert load(path, mesh_as="hull")[1] == []
@@ -119,7 +119,7 @@ def test_links_that_are_seen_but_cannot_be_touched_are_named(write, fixed_base):
         joint("x", "a", "b", LIMIT.format(-1, 1)), joint("y", "a", "frame", LIMIT.format(-1, 1)),
     )  # fmt: skip
     _, [said] = load(path, fixed_base=fixed_base)
-    assert "no <collision>: nothing touches it, whatever is seen of it ('a', 'b');" in said
+    assert "links without <collision> touch nothing, although they are visible ('a', 'b');" in said
 
 
 def test_links_that_are_part_of_a_body_that_can_be_touched_are_not_named(write):

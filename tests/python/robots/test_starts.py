@@ -125,7 +125,7 @@ def test_joints_of_mujoco_begin_in_radians_at_their_own_zero(model):
     [
         (
             {"elbo": 1.0, "flange": 2.0, "elbow": 0.0},
-            r"^positions names 'elbo', 'flange', but joints of .*arm\.urdf that turn or slide are "
+            r"^positions names 'elbo', 'flange', but the joints of .*arm\.urdf that turn or slide are "
             "'shoulder', 'elbow', 'slide', 'finger', 'thumb'$",
         ),
         (

@@ -84,7 +84,7 @@ HOSTILE: dict[str, tuple[Callable[[], str], str]] = {
             '[bodies.a]\nmesh = "b"\n[meshes]\n'
             + "".join(f'm{i} = {{file = "a.stl"}}\n' for i in range(10_000))
         ),
-        r":2: bodies.a.mesh is 'b', .* there are: m0, .*, m19, and 9980 more",
+        r":2: bodies.a.mesh is 'b', but the scene has only the meshes m0, .*, m19, and 9980 more",
     ),
 }
 

@@ -362,14 +362,14 @@ ARRAY = np.ones(2)
         (lambda w, _: w.step(1, 3), vx.InputTypeError, "callback must be callable, not int"),
         (lambda w, _: w.step(1, before=3), vx.InputTypeError, "before must be callable, not int"),
         (lambda w, _: w.remove("x"), vx.InputTypeError, "must be a Body or a Joint, not str"),
-        (lambda w, _: w.add(vx.Sphere(1), name=5), vx.InputTypeError, "name must be a text"),
+        (lambda w, _: w.add(vx.Sphere(1), name=5), vx.InputTypeError, "name must be a string"),
         (
             lambda w, _: w.add(vx.Sphere(1), motion=ARRAY),
             vx.SettingsError,
             "motion must be 'dynamic', ",
         ),
-        (lambda w, j: setattr(j.child, "name", 5), vx.InputTypeError, "name must be a text"),
-        (lambda w, j: setattr(j, "name", None), vx.InputTypeError, "name must be a text"),
+        (lambda w, j: setattr(j.child, "name", 5), vx.InputTypeError, "name must be a string"),
+        (lambda w, j: setattr(j, "name", None), vx.InputTypeError, "name must be a string"),
         (
             lambda w, j: w.set_collision(j.child, w.bodies[1], "no"),
             vx.SettingsError,
@@ -383,7 +383,7 @@ ARRAY = np.ones(2)
         (
             lambda w, j: w.add_joint(vx.PointJoint(), None, j.child, name=5),
             vx.InputTypeError,
-            "name must be a text",
+            "name must be a string",
         ),
         (lambda w, j: j.follow(None, max_force=1), vx.InputTypeError, "leader must be a Joint"),
         (
@@ -396,7 +396,7 @@ ARRAY = np.ones(2)
         (
             lambda w, _: w.record().save_html("a.html", title=None),
             vx.InputTypeError,
-            "title must be a text, not NoneType",
+            "title must be a string, not NoneType",
         ),
     ],
 )

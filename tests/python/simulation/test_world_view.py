@@ -42,7 +42,7 @@ def test_a_view_ends_with_its_world(screens: list[Screen]):
         ({"speed": 0.0}, "speed must be above 0"),
         ({"wait": -1.0}, "wait must be at least 0"),
         ({"frames_per_second": 0}, "frames_per_second must be above 0"),
-        ({"title": 5}, "title must be a text, not int"),
+        ({"title": 5}, "title must be a string, not int"),
         ({"colors": ["red"]}, "colors must be a mapping from bodies"),
     ],
 )

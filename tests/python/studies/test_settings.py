@@ -68,7 +68,7 @@ def test_file_is_tables(tmp_path):
 
 
 def test_unknown_tables_are_errors(tmp_path):
-    with pytest.raises(SettingsError, match=r"\[bal\] is no experiment; there are: "):
+    with pytest.raises(SettingsError, match=r"\[bal\] is an unknown table; valid tables: "):
         plan_studies(
             EXPERIMENTS,
             tmp_path,

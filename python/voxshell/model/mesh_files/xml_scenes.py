@@ -197,7 +197,7 @@ class _Nodes(_Scan):
             self.unit = float(attributes.get("meter", 1.0))
             if not (math.isfinite(self.unit) and self.unit > 0.0):
                 raise MeshError(
-                    f"its unit is {self.unit:g} meters, which is no length; export the mesh again"
+                    f"its unit is {self.unit:g} meters, which is not a valid length; export the mesh again"
                 )
         elif name == "geometry":
             self._geometry, self._began = attributes.get("id", ""), at

@@ -417,7 +417,7 @@ def draw(settings: GeometrySettings, results: Results, folder: Path) -> list[Pic
 GEOMETRY = Experiment(
     name="geometry",
     title="Geometry",
-    question="How accurate are yes and no, depths, normals and places at default settings, for any pair?",
+    question="How accurate are yes-or-no answers, depths, normals and places at default settings?",
     describe=describe,
     settings=GeometrySettings(),
     quick=replace(

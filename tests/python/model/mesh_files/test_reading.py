@@ -448,7 +448,9 @@ def test_a_unit_that_is_no_length_is_refused(tmp_path: Path, meter: str):
     path = tmp_path / "part.dae"
     content = make_dae("<node id='n0'><instance_geometry url='#g'/></node>")
     path.write_bytes(content.replace(b'meter="1"', f'meter="{meter}"'.encode()))
-    with pytest.raises(vx.MeshError, match=r"part\.dae: its unit is .* meters, which is no length"):
+    with pytest.raises(
+        vx.MeshError, match=r"part\.dae: its unit is .* meters, which is not a valid length"
+    ):
         read_mesh(path)
 
 

@@ -84,7 +84,7 @@ def test_wrong_keyframes_are_refused(write):
         load(path, keyframe="short")
     with pytest.raises(vx.SettingsError, match="with a name are 'home', 'rest', 'short'"):
         load(path, keyframe="work")
-    with pytest.raises(vx.InputTypeError, match="keyframe must be a text"):
+    with pytest.raises(vx.InputTypeError, match="keyframe must be a string"):
         load(path, keyframe=1)
     nothing = QPOS.replace("0 2 0 0", "0 0 0 0")
     path = write(*MODEL, f"<key name='nothing' qpos='{nothing}'/>", END)

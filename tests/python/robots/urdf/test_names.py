@@ -50,14 +50,14 @@ def load(tmp_path: Path) -> Callable[..., list[str]]:
 )  # fmt: skip
 def test_unknown_elements_are_named_with_the_name_that_was_meant(load, places, text):
     [said] = load(**places)
-    assert f"has elements that are unknown and not read: {text}" in said
+    assert f"has unknown elements, which are not read: {text}" in said
     assert said.endswith("; correct or remove them")
 
 
 def test_one_line_names_all_unknown_elements(load):
     [said] = load(link="<colision/>\n<colision/>", joint="<wings/>")
     assert said.endswith(
-        "unknown and not read: <colision>, did you mean <collision>? (link 'b' in line 5, link 'b' in line 6), "
+        "unknown elements, which are not read: <colision>, did you mean <collision>? (link 'b' in line 5, link 'b' in line 6), "
         "<wings> (joint 'j' in line 7); correct or remove them"
     )
 

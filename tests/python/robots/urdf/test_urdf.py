@@ -389,7 +389,7 @@ def test_a_flat_mesh_becomes_a_thin_sheet_with_a_warning(write, tmp_path, mesh_a
     flat = '<collision><geometry><mesh filename="flat.obj"/></geometry></collision>'
     path = write(link("a", flat), link("b", flat), joint("j", "revolute", "a", "b", LIMIT))
     world = vx.World()
-    with pytest.warns(vx.RobotWarning, match=r"made it a sheet 5 mm thick \('a', 'b'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"became sheets 5 mm thick \('a', 'b'\)"):
         robot = vx.load_urdf(world, path, mesh_as=mesh_as, fixed_base=True)
     size = np.ptp(robot.links["a"].body.shape.mesh.vertices, axis=0)
     np.testing.assert_allclose(size, (1.0, 1.0, 0.005), atol=0.006)
@@ -448,14 +448,16 @@ def test_without_pycollada_it_says_what_to_install(write, tmp_path, monkeypatch)
 
 def test_a_missing_mass_is_computed_from_the_shape(write):
     path = write(link("base", ""), link("a", BALL), joint("x", "continuous", "base", "a"))
-    with pytest.warns(vx.RobotWarning, match=r"no mass: used 1000 kg/m3 .* \('a'\)"):
+    with pytest.warns(
+        vx.RobotWarning, match=r"without a mass got that of .* at 1000 kg/m3 \('a'\)"
+    ):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.links["a"].body.mass == pytest.approx(1000 * 4 / 3 * np.pi * 0.05**3)
 
 
 def test_what_moves_without_mass_and_shape_gets_a_little_mass(write):
     path = write(link("base", ""), link("a", ""), joint("x", "continuous", "base", "a"))
-    with pytest.warns(vx.RobotWarning, match=r"no mass and no shape: used 0.1 kg \('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"without a mass and a shape got 0.1 kg \('a'\)"):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.links["a"].body.mass == 0.1
 
@@ -466,7 +468,7 @@ def test_an_inertia_that_no_body_has_is_computed_from_the_shape(write, moments):
     tensor = f'<inertia ixx="{x}" iyy="{y}" izz="{z}" ixy="0" ixz="0" iyz="0"/>'
     box = '<collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision>'
     path = write(link("a", f'<inertial><mass value="3"/>{tensor}</inertial>{box}'))
-    with pytest.warns(vx.RobotWarning, match=r"no valid inertia.*\('a'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"without a valid inertia got .*\('a'\)"):
         robot = vx.load_urdf(vx.World(gravity=(0, 0, 0)), path, fixed_base=False)
     (body,) = robot.bodies
     body.apply_torque_impulse((0, 0, 1))
@@ -476,7 +478,7 @@ def test_an_inertia_that_no_body_has_is_computed_from_the_shape(write, moments):
 @pytest.mark.parametrize("limit", ["", "<limit effort='1'/>", "<limit lower='1' upper='-1'/>"])
 def test_a_joint_without_limits_moves_without_an_end(write, limit):
     path = write(link("a"), link("b"), joint("x", "revolute", "a", "b", limit))
-    with pytest.warns(vx.RobotWarning, match=r"no <limit>.*\('x'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"without <limit>.*\('x'\)"):
         robot = vx.load_urdf(vx.World(), path)
     assert robot.joints["x"].kind.limits is None
 
@@ -487,7 +489,7 @@ def test_a_follower_without_an_effort_follows(write):
         joint("y", "continuous", "base", "b", '<mimic joint="x"/>'),
     )  # fmt: skip
     world = vx.World(gravity=(0, 0, 0))
-    with pytest.warns(vx.RobotWarning, match=r"no effort to follow its leader.*\('y'\)"):
+    with pytest.warns(vx.RobotWarning, match=r"mimic others and state no effort.*\('y'\)"):
         robot = vx.load_urdf(world, path)
     robot.set_targets({"x": 0.5}, max_force=10.0)
     world.step(200)
