@@ -102,7 +102,8 @@ nb::ndarray<nb::numpy, double, nb::ndim<1>> distance_batch(
   const std::vector<Pose> world_from_a = read_poses(a_poses, count, "a_poses");
   const std::vector<Pose> world_from_b = read_poses(b_poses, count, "b_poses");
   const Roles roles = choose_roles(bodies, shells);
-  auto found = std::make_unique<std::vector<double>>(count, std::numeric_limits<double>::infinity());
+  auto found =
+      std::make_unique<std::vector<double>>(count, std::numeric_limits<double>::infinity());
   const auto ask = [&](std::size_t task) {
     std::array<QueryScratch, 2> scratches;
     const std::size_t end = std::min((task + 1) * kPosesATask, count);
