@@ -133,18 +133,12 @@ def _explain(
         advice = advise_on_argument(call, unknown, named.keys() - given)
         return _join(f"{call}() has no argument {unknown!r}", advice, usage)
     if len(args) > len(ordered):
-        allowed = (
-            f"{len(ordered)} positional argument{'s'[: len(ordered) > 1]} ({', '.join(ordered)})"
-        )
+        names = f" ({', '.join(ordered)})" if ordered else ""
+        plural = "" if len(ordered) == 1 else "s"
+        allowed = f"{len(ordered) or 'no'} positional argument{plural}{names}"
         count = "1 was" if len(args) == 1 else f"{len(args)} were"
-        text = (
-            f"{call}() takes {allowed if ordered else 'no positional arguments'}, but {count} given"
-        )
-        return _join(
-            text,
-            advise_on_unnamed(call, args) or f"name {'the others' if ordered else 'all'}",
-            usage,
-        )
+        advice = advise_on_unnamed(call, args) or f"name {'the others' if ordered else 'all'}"
+        return _join(f"{call}() takes {allowed}, but {count} given", advice, usage)
     twice = next((name for name in ordered[: len(args)] if name in kwargs), None)
     if twice is not None:
         return _join(f"{call}() got {twice!r} twice, once without its name", "", usage)
