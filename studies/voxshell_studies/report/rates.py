@@ -205,16 +205,15 @@ def draw(settings: RatesSettings, results: Results, folder: Path) -> list[Pictur
             lowest = [_find_lowest(results, rule, ground, mode) for mode in shown]
             places = np.arange(len(shown)) + 0.2 * (index - 1.5)
             color = ("#9aa5b1", "#cbd2d9", "#0b6e4f", "#90be6d")[index]
-            axes.bar(
+            axes.plot(
                 places,
                 np.minimum(lowest, 2 * settings.rates[0]),
-                *(0.2,),
+                "o",
                 color=color,
                 label=f"{RULE_NAMES[rule]}, {GROUNDS[ground]}",
             )
         axes.set_xticks(range(len(names)), names)
         axes.set(yscale="log", ylabel="lowest rate that holds, Hz")
-        axes.set_axisbelow(True)
         axes.legend(fontsize=8, frameon=False)
     _save_replay(settings, results, folder / "replay.html")
     return [
