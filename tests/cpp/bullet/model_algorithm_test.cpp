@@ -174,7 +174,7 @@ TEST(ModelAlgorithm, SearchesOnlyOnceTheBodiesHaveMoved) {
   }
 }
 
-/// What a contact test is told.
+/// Collects the distances that a contact test reports.
 class Reported : public btManifoldResult {
  public:
   explicit Reported(const Pair& pair, double threshold)

@@ -145,8 +145,8 @@ TEST(TriangleContacts, AreFoundUpToTheMargin) {
             std::numeric_limits<double>::infinity());
 }
 
-/// A ball above a plane: its surface is lowest in the middle. Each cell's place is as far from the
-/// ball as it is, or as far below the ball's surface, if it is to touch as a plane does.
+/// A ball above a plane. The depth of a cell's place is minus its distance from the ball. If the
+/// cells are to touch as planes do, it is minus the height of the ball's surface above the place.
 TEST(TriangleContacts, ThatAreApartAreThoseOfPlanes) {
   constexpr double kHeight = 0.11;
   const Pose model_from_mesh = Pose{{}, {0, 0, kHeight}}.inverse();

@@ -41,6 +41,28 @@ std::vector<VelocityRow> make_column(const std::vector<double>& masses, double f
   return rows;
 }
 
+/// A contact of a body of 1 kg, upward, with a friction of 0.5; its friction rows follow it.
+VelocityRow make_contact(int friction_rows) {
+  VelocityRow normal;
+  normal.is_contact = true;
+  normal.friction_rows = friction_rows;
+  normal.friction = 0.5;
+  normal.body_a = 0;
+  normal.along_a[2] = 1.0;
+  normal.unit_impulse = 1.0;
+  return normal;
+}
+
+/// A row of the contact's friction, along an axis of the body's frame.
+VelocityRow make_friction(const VelocityRow& normal, std::size_t axis) {
+  VelocityRow row;
+  row.body_a = normal.body_a;
+  row.along_a[axis] = 1.0;
+  row.unit_impulse = normal.unit_impulse;
+  row.friction = normal.friction;
+  return row;
+}
+
 TEST(VelocityNewton, FindsWhatEachContactOfAColumnCarries) {
   const std::vector<double> masses{1.0, 1000.0, 1.0, 50.0};
   constexpr double kFall = 0.1;  // m/s
@@ -71,19 +93,9 @@ TEST(VelocityNewton, MeasuresTheVelocityThatImpulsesMiss) {
 }
 
 TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
-  VelocityRow normal;
-  normal.is_contact = true;
-  normal.friction_rows = 2;
-  normal.friction = 0.5;
-  normal.body_a = 0;
-  normal.along_a[2] = 1.0;
-  normal.unit_impulse = 1.0;
-  VelocityRow along_x = normal;
-  along_x.is_contact = false;
-  along_x.along_a = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  along_x.friction_rows = 0;
-  VelocityRow along_y = along_x;
-  along_y.along_a = {0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  const VelocityRow normal = make_contact(2);
+  const VelocityRow along_x = make_friction(normal, 0);
+  const VelocityRow along_y = make_friction(normal, 1);
   const auto solve = [&](double up, double x, double y) {
     std::array rows{normal, along_x, along_y};
     rows[0].target = up;
@@ -105,20 +117,11 @@ TEST(VelocityNewton, LeavesOpenWhatPullsAndKeepsFrictionInItsCone) {
 /// A contact that gives way, at rest and sliding: v + softness * impulse is its target.
 TEST(VelocityNewton, GivesWayAlongTheNormalAlone) {
   constexpr double kSoftness = 3.0;
-  VelocityRow normal;
-  normal.is_contact = true;
-  normal.friction_rows = 1;
-  normal.friction = 0.5;
-  normal.body_a = 0;
-  normal.along_a[2] = 1.0;
+  VelocityRow normal = make_contact(1);
   normal.unit_impulse = 1.0 / (1.0 + kSoftness);
   normal.softness = kSoftness;
   normal.target = 2.0;
-  VelocityRow along_x = normal;
-  along_x.is_contact = false;
-  along_x.along_a = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  along_x.friction_rows = 0;
-  along_x.softness = 0.0;
+  const VelocityRow along_x = make_friction(normal, 0);
   for (const double aside : {0.2, 5.0}) {
     std::array rows{normal, along_x};
     rows[1].target = aside;
