@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import mmap
+import threading
+from collections import Counter
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -67,6 +69,8 @@ class Recorder:
         self._poses: dict[Body, list[NDArray[np.float64]]] = {}
         self._contacts: list[NDArray[np.void]] = []
         self._forces: list[NDArray[np.float64]] = []
+        # One thread may step the world while another one reads what is recorded.
+        self._lock = threading.Lock()
         self._take_frame()
 
     def take(self) -> None:
@@ -103,18 +107,22 @@ class Recorder:
             SettingsError: A color is not three integers from 0 to 255.
         """
         chosen = as_body_colors(colors)
+        with self._lock:
+            poses_of = {body: list(known) for body, known in self._poses.items()}
+            contacts_of, forces_of = list(self._contacts), list(self._forces)
+        bodies_of = Counter(body.name for body in poses_of)
         tracks = []
-        for body, known in self._poses.items():
+        for body, known in poses_of.items():
             mesh = mesh_of(body.shape)
             faces = mesh.faces.astype(np.int64)
-            name = body.name if self._is_unique(body.name) else f"{body.name} ({body.number})"
-            start = len(self._contacts) - len(known)
+            name = body.name if bodies_of[body.name] == 1 else f"{body.name} ({body.number})"
+            start = len(contacts_of) - len(known)
             poses = np.array([known[0]] * start + known)
             tracks.append(BodyTrack(name, mesh.vertices, faces, chosen.get(body), poses, start))
         contacts = ContactTrack.from_frames(
             [
                 (frame["point_b"], frame["normal"], frame["depth"], forces)
-                for frame, forces in zip(self._contacts, self._forces, strict=True)
+                for frame, forces in zip(contacts_of, forces_of, strict=True)
             ]
         )
         return Recording(self._every * self._time_step, tuple(tracks), contacts)
@@ -199,17 +207,15 @@ class Recorder:
         _check_memory(_SPARE + _SPARE_OF_BODY * len(self._poses))
         # Other threads may add and remove bodies meanwhile.
         present = {body: body.pose for body in tuple(self._bodies) if not body.removed}
-        for body in present:
-            self._poses.setdefault(body, [])
-        for body, known in self._poses.items():
-            known.append(present[body] if body in present else known[-1])
         contacts = as_contacts(self._simulation.contacts())
-        dynamic = [body.number for body in self._poses if body.motion == "dynamic"]
-        self._contacts.append(contacts)
-        self._forces.append(compute_forces(contacts, dynamic, self._time_step))
-
-    def _is_unique(self, name: str) -> bool:
-        return sum(body.name == name for body in self._poses) == 1
+        with self._lock:
+            for body in present:
+                self._poses.setdefault(body, [])
+            for body, known in self._poses.items():
+                known.append(present[body] if body in present else known[-1])
+            dynamic = [body.number for body in self._poses if body.motion == "dynamic"]
+            self._contacts.append(contacts)
+            self._forces.append(compute_forces(contacts, dynamic, self._time_step))
 
 
 def _check_memory(size: int) -> None:

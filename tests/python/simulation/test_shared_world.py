@@ -140,3 +140,23 @@ def test_a_body_that_another_thread_removed_is_a_typed_error():
     world._simulation.remove_body(ball.number)  # as between a check and the call
     with pytest.raises(vx.SettingsError, match="the world has no body 0"):
         world.query_contacts(ball, world.add(vx.Sphere(0.1)))
+
+
+def test_a_recording_that_is_read_during_steps_is_whole():
+    """Bodies without a mesh to load are cheap to add: frames were read while they were taken."""
+    world = vx.World(sleeping=False)
+    recorder = world.record()
+    frames = []
+
+    def add_and_step() -> None:
+        world.add(vx.Sphere(0.1), pose=at(x=float(len(world.bodies))))
+        world.step(2)
+
+    def read() -> None:
+        if not world.bodies:
+            return
+        recording = recorder.recording()
+        frames.append({len(track.poses) for track in recording.bodies} | {recording.contacts.frame_count})
+
+    assert run_together([add_and_step, read, read], seconds=1.5) == []
+    assert all(len(lengths) == 1 for lengths in frames)

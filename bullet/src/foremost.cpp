@@ -1,0 +1,35 @@
+#include "foremost.h"
+
+#include "contact_constants.h"
+#include "contact_list.h"
+#include "round_touch.h"
+
+namespace voxshell::bullet {
+
+void drop_behind_faces(std::vector<Contact>& contacts, const Side& own, const Turning& turning,
+                       double reach) {
+  const PointShell& shell = *own.participant().shell;
+  keep_if(contacts, [&](const Contact& contact) {
+    if (contact.id >= shell.element_count() || static_cast<double>(contact.depth) > reach) {
+      return true;
+    }
+    Vec3 toward = -1.0 * static_cast<Vec3>(contact.normal);
+    if (shell.is_point(contact.id)) {
+      if (lies_on_curve(*own.model(), contact.id)) return true;
+      const auto normal = static_cast<Vec3>(shell.normals()[contact.id]);
+      if (turning.may_face(normal, toward, kForemostAngle)) return true;
+    } else {
+      // Of an edge that points toward the other body, it is the end that touches.
+      const Vec3 along =
+          normalized(static_cast<Vec3>(shell.edges()->halves()[contact.id - shell.size()]));
+      toward = toward - dot(toward, along) * along;
+      if (length(toward) < kFacesEdge) return true;
+      toward = normalized(toward);
+    }
+    const Vec3 shown = normal_outside(own.model()->grid(), static_cast<Vec3>(contact.point), toward,
+                                      kOutsideOfReach * reach);
+    return turning.may_face(shown, toward, kForemostAngle);
+  });
+}
+
+}  // namespace voxshell::bullet
