@@ -15,7 +15,7 @@ from voxshell.errors import SettingsError
 from voxshell.model.meshes import name_of
 from voxshell.model.model import Model
 from voxshell.viewer.guard import make_token
-from voxshell.viewer.inspector import Inspector, Layer
+from voxshell.viewer.inspector import HEAD, Inspector, Layer
 from voxshell.viewer.server import import_viser, make_address, silent_server
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def view(
         raise SettingsError(f"{body} has no field and no points: name a mesh or a model file first")
     partner = None if other is None else bodies[other]
     token = make_token()
-    with silent_server(port if export is None else 0, token=token) as server:
+    with silent_server(port if export is None else 0, token=token, head=HEAD) as server:
         inspector = Inspector(server, model, partner, name=name_of(body), show=show)
         if export is not None:
             inspector.save_html(export)
