@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from voxshell.base.lengths import metric
-from voxshell.model.shapes import Plane
 from voxshell.query.distances import distance
 from voxshell.query.queries import contacts
 from voxshell.query.scratch import QueryScratch
 from voxshell.recording import ContactTrack
-from voxshell.simulation.body_shapes import mesh_of
 from voxshell.viewer.handle import Handle
+from voxshell.viewer.inspector_stage import find_view, place_partner
 from voxshell.viewer.layers import (
     Axis,
     color_segments,
@@ -29,7 +28,6 @@ from voxshell.viewer.page import add_heading, write_whole
 from voxshell.viewer.pins import build_pin_mesh, build_pins
 from voxshell.viewer.quaternions import rotations_as_wxyz
 from voxshell.viewer.shading import is_faceted
-from voxshell.viewer.stage import VIEW_ASPECT, place_camera
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -43,12 +41,6 @@ if TYPE_CHECKING:
 
 Layer = Literal["surface", "slice", "level", "points", "normals", "spheres"]
 
-HEAD = """<style>
-  /* It fades in over five pictures, and a slow machine draws no more of them. */
-  canvas[data-engine] { background: linear-gradient(#e2e9f2, #fafbfd 70%); opacity: 1 !important; }
-</style>"""
-"""For the head of the server's page."""
-
 # Diagonal of the model in display units, which suits viser's clipping planes and camera speed.
 _DIAGONAL = 3.0
 _BODY_COLOR, _OTHER_COLOR, _LEVEL_COLOR = (92, 141, 208), (176, 138, 190), (230, 170, 60)
@@ -57,13 +49,6 @@ _MOST_POINTS = 60_000
 _GRAIN = 2.0**-13
 _HANDLE = 0.5
 """Size of a handle's arrows as a fraction of its body's diagonal."""
-_PLANE_DRAWN = 1.5
-"""Side of the plate that represents a plane, in diagonals of the model."""
-
-_BESIDE = 0.8
-"""Room for the controls at the right side, in widths of what is seen: enough for a window of 760 pixels."""
-_LIVE_ASPECT = 4.0 / 3.0
-"""Narrowest window, width over height, in which the page with controls shows everything at first."""
 _NOTE = '<div style="padding: 0 1em 0.6em; font-size: 0.85em; line-height: 1.6">{}</div>'
 """A legend among the controls."""
 
@@ -133,12 +118,7 @@ class Inspector:
         if "slice" in self._nodes:
             box = find_box(self._model)
             low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
-        if has_controls:
-            high = high + np.array([_BESIDE * (high - low)[0], 0.0, 0.0])
-        boxes = [(low * self._scale, high * self._scale)]
-        # The exported page moves the camera back in a narrower window.
-        aspect = _LIVE_ASPECT if has_controls else VIEW_ASPECT
-        view = place_camera(boxes, rows=1, up="+z", aspect=aspect)
+        view = find_view(low * self._scale, high * self._scale, has_controls=has_controls)
         camera = self._server.initial_camera
         camera.position, camera.look_at, camera.fov = view.position, view.target, view.field_of_view
 
@@ -289,31 +269,14 @@ class Inspector:
 
     def _add_pair(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
         """Add handles for both bodies, and show the second one."""
-        mesh = mesh_of(other)  # pyright: ignore[reportArgumentType]: every shape that there is
-        low, high = self._model.bounds
-        if isinstance(other, Plane):
-            # The plate has the size of the scene: the whole plane would hide it.
-            middle = mesh.vertices.mean(axis=0)
-            factor = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
-            surface = other.offset * other.normal
-            mesh = mesh._replace(vertices=surface + factor * (mesh.vertices - middle))
-            start = np.eye(4) if pose is None else pose
-            # In the direction of a corner, the model and the controls leave space.
-            corner = mesh.vertices[np.argmax(mesh.vertices @ (-1.0, -1.0, 1.0))]
-            grip = surface + 0.6 * (corner - surface)
-            seen = [low, high, grip]
-        else:
-            start = np.eye(4)
-            if pose is None:
-                start[0, 3] = high[0] - mesh.vertices[:, 0].min()
-            else:
-                start = pose
-            grip = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-            seen = [low, high, *(mesh.vertices @ start[:3, :3].T + start[:3, 3])]
-        self._seen = np.min(seen, axis=0), np.max(seen, axis=0)
+        partner = place_partner(other, self._model.bounds, pose)
+        mesh, start = partner.mesh, partner.pose
+        middle = 0.5 * (self._seen[0] + self._seen[1])
+        self._seen = partner.low, partner.high
         extent = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) * self._scale
-        of_model = ("/model", 0.5 * (low + high), np.eye(4), _DIAGONAL)
-        for name, place, world_from_body, size in (of_model, ("/other", grip, start, extent)):
+        of_model = ("/model", middle, np.eye(4), _DIAGONAL)
+        of_other = ("/other", partner.grip, start, extent)
+        for name, place, world_from_body, size in (of_model, of_other):
             self._handles.append(
                 Handle(
                     self._server,
