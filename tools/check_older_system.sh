@@ -11,31 +11,15 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly wheels=${1:-build/dist} root=${2:-build/bullseye}
 readonly log=$root.log
-# Debian 11 has Python 3.9. The sources are those of Debian 12, without its changes, which expect its own packages.
-readonly build_python='
-  cd /root
-  apt-get update
-  apt-get source --download-only python3.11
-  tar --extract --file python3.11_*.orig.tar.*
-  cd Python-3.11*/
-  ./configure --quiet --prefix=/opt/python --disable-test-modules
-  make --quiet --jobs="$(nproc)"
-  make --quiet install'
-readonly try_wheel='
-  ldd --version | head -n 1
-  rm -rf /root/env /root/part.stl
-  /opt/python/bin/python3.11 -m venv /root/env
-  /root/env/bin/pip install --quiet --disable-pip-version-check --find-links /root/wheels "voxshell[viewer]"
-  cd /root
-  env/bin/python -I tools/try_readme.py
-  env/bin/python -I tools/try_installed.py >/dev/null
-  env/bin/voxshell --version'
 
 say() { printf '%s\n' "$*"; }
 
-# inside DIR COMMANDS: runs them in the system that DIR holds.
+# inside DIR: runs the commands of standard input in the system that DIR holds. Nobody else sees its /proc.
 inside() {
-  chroot "$1" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 /bin/bash -euo pipefail -c "$2"
+  # shellcheck disable=SC2016 # the inner shell expands them
+  unshare --mount bash -c 'mount --types proc proc "$1/proc" && exec chroot "$@"' bash "$1" \
+    /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 \
+    PIP_CERT=/etc/ssl/certs/ca-certificates.crt /bin/bash -euo pipefail -c "cd; $(cat)"
 }
 
 make_system() {
@@ -44,7 +28,16 @@ make_system() {
   cp /etc/resolv.conf "$1/etc/"
   cp /etc/ssl/certs/ca-certificates.crt "$1/etc/ssl/certs/" # a proxy of this system may have its own
   say "building Python 3.11 in it ..." >&3
-  inside "$1" "$build_python"
+  # Debian 11 has Python 3.9. These are the sources of Debian 12, without its changes, which expect its own packages.
+  inside "$1" <<'TXT'
+apt-get update
+apt-get source --download-only python3.11
+tar --extract --file python3.11_*.orig.tar.*
+cd Python-3.11*/
+./configure --quiet --prefix=/opt/python --disable-test-modules
+make --quiet --jobs="$(nproc)"
+make --quiet install
+TXT
 }
 
 if [[ ! -e $root ]]; then
@@ -55,9 +48,15 @@ if [[ ! -e $root ]]; then
   mv "$root.part" "$root"
 fi
 say "trying the wheels of $wheels in it ..."
-rm -rf "$root/root/wheels" "$root/root/tools"
+rm -rf "$root/root/wheels" "$root/root/tools" "$root/root/env"
 cp -r "$wheels" "$root/root/wheels"
 mkdir "$root/root/tools"
 cp tools/try_readme.py tools/try_installed.py "$root/root/tools/"
 cp README.md "$root/root/"
-inside "$root" "$try_wheel"
+inside "$root" <<'TXT'
+/opt/python/bin/python3.11 -m venv env
+env/bin/pip install --quiet --disable-pip-version-check --only-binary :all: --find-links wheels "voxshell[viewer]"
+env/bin/python -I tools/try_readme.py
+env/bin/python -I tools/try_installed.py >/dev/null
+echo "voxshell $(env/bin/voxshell --version) works with $(env/bin/python --version) and $(ldd --version | head -n 1)"
+TXT
