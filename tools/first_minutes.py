@@ -4,9 +4,9 @@
 usage: tools/first_minutes.py [--wheels DIR] [PYTHON...]
 
 With each PYTHON, by default the one that runs this, and in a new environment in a temporary folder: installs the
-wheel of DIR, by default build/dist, with the extras for replays and videos; runs the ten lines of README.md on a
-mesh; watches a world live, as far as the page and its first data; and writes a video. Prints a Markdown table.
-pip takes what it keeps in its cache; PIP_NO_CACHE_DIR=1 makes it download everything. Fails if a step does.
+wheel of DIR, by default build/dist, with the extra for replays; runs the ten lines of README.md on a mesh; watches
+a world live, as far as the page and its first data; installs the extra for videos, and writes one. Prints a Markdown
+table. pip takes what it keeps in its cache; PIP_NO_CACHE_DIR=1 makes it download everything. Fails if a step does.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+TEN_LINES = "ten lines on a mesh: model, contacts, drop, replay"
 WATCH = """
 import urllib.request, voxshell as vx
 world = vx.World()
@@ -54,16 +56,23 @@ def main(arguments: list[str]) -> int:
         name = subprocess.check_output([python, "-c", version], text=True).strip()
         with tempfile.TemporaryDirectory() as folder:
             columns[name] = time_steps(python, options.wheels.resolve(), Path(folder).resolve())
-    steps = next(iter(columns.values()))
-    print("| step | " + " | ".join(columns) + " |")
-    print("|---" * (1 + len(columns)) + "|")
-    for step in steps:
-        print(
-            f"| {step} | " + " | ".join(f"{took[step]:.0f} s" for took in columns.values()) + " |"
-        )
-    totals = (f"{sum(took.values()):.0f} s" for took in columns.values())
-    print("| all | " + " | ".join(totals) + " |")
+    print("\n".join(format_table(columns)))
     return 0
+
+
+def format_table(columns: dict[str, dict[str, float]]) -> list[str]:
+    """Lines of a Markdown table: a column with the seconds of each step, and sums up to the ten lines and in all."""
+
+    def row(step: str, seconds: Iterable[float]) -> str:
+        return "| ".join([f"| {step} ", *(f"{each:.0f} s " for each in seconds)]) + "|"
+
+    took = list(columns.values())
+    lines = [f"| step | {' | '.join(columns)} |", "|---" * (1 + len(columns)) + "|"]
+    for number, step in enumerate(took[0], 1):
+        lines.append(row(step, [each[step] for each in took]))
+        if step == TEN_LINES:
+            lines.append(row("so far", [sum(list(each.values())[:number]) for each in took]))
+    return [*lines, row("all", [sum(each.values()) for each in took])]
 
 
 def time_steps(python: str, wheels: Path, folder: Path) -> dict[str, float]:
@@ -72,11 +81,10 @@ def time_steps(python: str, wheels: Path, folder: Path) -> dict[str, float]:
     install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--find-links"]
     commands = {
         "make an environment": [python, "-m", "venv", str(folder / "env")],
-        "install voxshell[viewer,video]": [inside, *install, str(wheels), "voxshell[viewer,video]"],
-        "ten lines on a mesh: model, contacts, drop, replay": [
-            *(inside, "-I", str(ROOT / "tools/try_readme.py")),
-        ],
+        "install voxshell[viewer]": [inside, *install, str(wheels), "voxshell[viewer]"],
+        TEN_LINES: [inside, "-I", str(ROOT / "tools/try_readme.py")],
         "a live view: its page and first data": [inside, "-I", "-c", WATCH],
+        "install voxshell[video]": [inside, *install, str(wheels), "voxshell[video]"],
         "a video of two seconds": [inside, "-I", "-c", FILM],
     }
     # Nothing of this checkout, and no models built before.
@@ -90,6 +98,7 @@ def time_steps(python: str, wheels: Path, folder: Path) -> dict[str, float]:
     for step, command in commands.items():
         # pip keeps its downloads in the user's folder.
         own = {"HOME": str(Path.home()), **installing} if "pip" in command else {}
+        print(f"{step} ...", file=sys.stderr, flush=True)
         start = time.perf_counter()
         subprocess.run(
             command, check=True, cwd=folder, env=environment | own, stdout=subprocess.DEVNULL

@@ -28,7 +28,7 @@ from voxshell.base.input_files import check_exists
 from voxshell.base.outputs import check_suffix, explain_missing_folder
 from voxshell.base.user_warnings import shorten_path
 from voxshell.errors import InputTypeError, MemoryLimitError, MeshError, MissingFileError
-from voxshell.model.mesh_files.reading import UNITLESS, open_mesh_file
+from voxshell.model.mesh_files.reading import KINDS, UNITLESS, open_mesh_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -176,6 +176,14 @@ def doubt_unit(
         f"{shorten_path(mesh)} is {longest:.4g} m long, and {kind.upper()} files state no unit: if it is in "
         f"millimeters, {remedy}"
     )
+
+
+def advise_on_mesh_file(path: bytes) -> str:
+    """Return what to do with a mesh file that was taken for a model file; empty if it is none by its suffix."""
+    name = os.fsdecode(path)
+    if os.path.splitext(name)[1][1:].lower() not in KINDS:
+        return ""
+    return f"; build a model of the mesh: Model.from_mesh({shorten_path(name)!r})"
 
 
 def as_model_path(path: str | os.PathLike[str]) -> bytes:

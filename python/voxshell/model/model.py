@@ -21,7 +21,7 @@ from voxshell.base.lengths import in_millimeters
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.base.user_warnings import warn_user
-from voxshell.errors import InputTypeError
+from voxshell.errors import InputTypeError, ModelFileError
 from voxshell.model.accuracy import read_accuracy
 from voxshell.model.build_settings import as_settings
 from voxshell.model.build_warnings import find_flaws, warn_of, warn_of_coarse_tolerance
@@ -31,6 +31,7 @@ from voxshell.model.mass_properties import MassProperties
 from voxshell.model.meshes import (
     Mesh,
     MeshWarning,
+    advise_on_mesh_file,
     as_model_path,
 )
 from voxshell.model.shell import PointShell
@@ -270,7 +271,10 @@ class Model:
         """
         name = as_path(path, "path")
         check_exists(name)
-        return cls(CoreModel.load(name))
+        try:
+            return cls(CoreModel.load(name))
+        except ModelFileError as error:
+            raise ModelFileError(f"{error}{advise_on_mesh_file(name)}") from None
 
     def __reduce__(self) -> tuple[Callable[[bytes], Model], tuple[bytes]]:
         """Pickle the model as the bytes of a model file."""

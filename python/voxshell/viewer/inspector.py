@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from voxshell.base.lengths import metric
-from voxshell.model.shapes import Plane
 from voxshell.query.distances import distance
 from voxshell.query.queries import contacts
 from voxshell.query.scratch import QueryScratch
 from voxshell.recording import ContactTrack
-from voxshell.simulation.body_shapes import mesh_of
 from voxshell.viewer.handle import Handle
+from voxshell.viewer.inspector_stage import find_view, place_partner
 from voxshell.viewer.layers import (
     Axis,
     color_segments,
@@ -50,8 +49,8 @@ _MOST_POINTS = 60_000
 _GRAIN = 2.0**-13
 _HANDLE = 0.5
 """Size of a handle's arrows as a fraction of its body's diagonal."""
-_PLANE_DRAWN = 1.5
-"""Side of the plate that represents a plane, in diagonals of the model."""
+_NOTE = '<div style="padding: 0 1em 0.6em; font-size: 0.85em; line-height: 1.6">{}</div>'
+"""A legend among the controls."""
 
 # Rotations of a picture, with columns along x and rows along -y, to the planes normal to each axis.
 _ACROSS: dict[Axis, NDArray[np.float64]] = {
@@ -94,14 +93,16 @@ class Inspector:
         # viser calls back from several threads, but a scratch serves only one.
         self._lock = threading.RLock()
         self._nodes: dict[str, Any] = {}
+        self._level = 1
+        self._deepest = 0.0
         self._root = "/model"
         self._handles: list[Handle] = []
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
         add_lights(server.scene, up="+z")
-        self._look_at(low, high)
+        self._seen = low, high
         server.gui.configure_theme(show_logo=False, show_share_button=False)
-        server.gui.add_markdown(self._describe())
+        server.gui.add_markdown(f"**{html.escape(name)}**  \n{self._facts()}")
         if other is not None:
             self._add_pair(other, pose)
         self._add_body()
@@ -109,22 +110,24 @@ class Inspector:
         self._add_shell()
         if other is not None:
             self._add_contacts()
+        self._look_at(has_controls=True)
 
-    def _look_at(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
-        """Place the camera so that a box, in meters, is fully visible beside the controls."""
-        target = 0.5 * (low + high) * self._scale
-        away = 0.5 * float(np.linalg.norm(high - low)) * self._scale
-        # The controls cover the right side of the page.
-        target = target + away * np.array([0.5, 0.15, 0.0])
+    def _look_at(self, *, has_controls: bool) -> None:
+        """Place the camera so that all bodies, and the slice, are visible; if there are controls, beside them."""
+        low, high = self._seen
+        if "slice" in self._nodes:
+            box = find_box(self._model)
+            low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+        view = find_view(low * self._scale, high * self._scale, has_controls=has_controls)
         camera = self._server.initial_camera
-        camera.look_at, camera.position = target, target + away * np.array([0.7, -2.0, 1.1])
+        camera.position, camera.look_at, camera.fov = view.position, view.target, view.field_of_view
 
-    def _describe(self) -> str:
+    def _facts(self) -> str:
         model = self._model
         sides = " x ".join(metric(side) for side in np.ptp(model.bounds, axis=0).tolist())
         return (
-            f"**{html.escape(self._name)}**, {sides}  \n{len(model.mesh.faces):,} triangles, "
-            f"{len(model.shell):,} points, voxels of {metric(model.field.voxel_size)}"
+            f"{sides}, {len(model.mesh.faces):,} triangles, {len(model.shell):,} points, "
+            f"voxels of {metric(model.field.voxel_size)}"
         )
 
     def _add_body(self) -> None:
@@ -147,7 +150,7 @@ class Inspector:
             shown = gui.add_checkbox("slice", "slice" in self._show)
             axis = gui.add_dropdown("across", ("x", "y", "z"), initial_value="y")
             place = gui.add_slider("at", 0.0, 1.0, 0.01, 0.5)
-            gui.add_html(describe_slice(self._model))
+            gui.add_html(_NOTE.format(describe_slice(self._model)))
             level_shown = gui.add_checkbox("level surface", "level" in self._show)
             thickness = 1e3 * float(np.ptp(self._model.bounds, axis=0).max())
             level = gui.add_slider(
@@ -204,15 +207,16 @@ class Inspector:
             spheres = gui.add_checkbox("spheres", "spheres" in self._show)
             level = gui.add_slider("tree level", 1, tree.levels, 1, min(3, tree.levels))
             gui.add_html(
-                '<div style="padding: 0 1em 0.6em; font-size: 0.85em">A color is a segment: the points of one '
-                "sphere of that level. It has no other meaning.</div>"
+                _NOTE.format(
+                    "A color is a segment: the points of one sphere of that level. It has no other meaning."
+                )
             )
 
         def show(_: Any = None) -> None:
             with self._lock, self._server.atomic():
                 for name in ("points", "normals", "spheres"):
                     self._drop(name)
-                number = int(level.value)
+                number = self._level = int(level.value)
                 if points.value or normals.value:
                     self._draw_points(number, points=points.value, normals=normals.value)
                 if spheres.value:
@@ -265,31 +269,14 @@ class Inspector:
 
     def _add_pair(self, other: Collidable, pose: NDArray[np.float64] | None) -> None:
         """Add handles for both bodies, and show the second one."""
-        mesh = mesh_of(other)  # pyright: ignore[reportArgumentType]: every shape that there is
-        low, high = self._model.bounds
-        if isinstance(other, Plane):
-            # The plate has the size of the scene: the whole plane would hide it.
-            middle = mesh.vertices.mean(axis=0)
-            factor = _PLANE_DRAWN * _DIAGONAL / (self._scale * np.ptp(mesh.vertices, axis=0).max())
-            surface = other.offset * other.normal
-            mesh = mesh._replace(vertices=surface + factor * (mesh.vertices - middle))
-            start = np.eye(4) if pose is None else pose
-            # In the direction of a corner, the model and the controls leave space.
-            corner = mesh.vertices[np.argmax(mesh.vertices @ (-1.0, -1.0, 1.0))]
-            grip = surface + 0.6 * (corner - surface)
-            seen = [low, high]
-        else:
-            start = np.eye(4)
-            if pose is None:
-                start[0, 3] = high[0] - mesh.vertices[:, 0].min()
-            else:
-                start = pose
-            grip = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-            seen = [low, high, *(mesh.vertices @ start[:3, :3].T + start[:3, 3])]
-        self._look_at(np.min(seen, axis=0), np.max(seen, axis=0))
+        partner = place_partner(other, self._model.bounds, pose)
+        mesh, start = partner.mesh, partner.pose
+        middle = 0.5 * (self._seen[0] + self._seen[1])
+        self._seen = partner.low, partner.high
         extent = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) * self._scale
-        of_model = ("/model", 0.5 * (low + high), np.eye(4), _DIAGONAL)
-        for name, place, world_from_body, size in (of_model, ("/other", grip, start, extent)):
+        of_model = ("/model", middle, np.eye(4), _DIAGONAL)
+        of_other = ("/other", partner.grip, start, extent)
+        for name, place, world_from_body, size in (of_model, of_other):
             self._handles.append(
                 Handle(
                     self._server,
@@ -358,17 +345,29 @@ class Inspector:
         """
         # Without a server, dragging would have no effect.
         self._show_handles(shown=False)
+        self._look_at(has_controls=False)
         scene = self._server.get_scene_serializer().as_html()
+        self._look_at(has_controls=True)
         self._show_handles(shown=True)
         page = add_heading(
             scene,
             title=self._name,
-            caption=f"{len(self._model.shell):,} points",
+            caption=self._facts(),
             rate="",
-            deepest=None,
+            deepest=self._deepest if self._other is not None and self._pins.visible else None,
             grid=None,
+            notes=self._explain_layers(),
         )
         return write_whole(path, page)
+
+    def _explain_layers(self) -> list[str]:
+        """Return what the colors of the visible layers mean, HTML."""
+        notes = []
+        if "slice" in self._nodes:
+            notes.append("slice: " + describe_slice(self._model))
+        if self._nodes.keys() & {"points", "normals", "spheres"}:
+            notes.append(f"a color: the points of one sphere of the tree's level {self._level}")
+        return notes
 
     def _show_handles(self, *, shown: bool) -> None:
         for handle in self._handles:
@@ -386,11 +385,12 @@ class Inspector:
         poses = self.poses
         found = contacts(self._model, self._other, *poses, scratch=self._scratch)
         apart = distance(self._model, self._other, *poses).distance
+        self._deepest = float(found.depths.max(initial=0.0))
         track = ContactTrack.from_frames([(found.points_b, found.normals, found.depths)])
         pins = build_pins(
             track.frame(0),
             scale=self._scale,
-            deepest=float(found.depths.max(initial=0.0)),
+            deepest=self._deepest,
             limit=_MOST_PINS,
             grain=_GRAIN,
         )

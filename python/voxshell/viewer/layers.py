@@ -76,12 +76,12 @@ def describe_slice(model: Model) -> str:
     deep, shallow, near, far = (
         f"rgb({red:.0f}, {green:.0f}, {blue:.0f})" for red, green, blue in colors
     )
-    bar = "display: inline-block; width: 5em; height: 0.7em; background: linear-gradient(90deg, "
+    bar = "display: inline-block; width: 2.8em; height: 0.7em; background: linear-gradient(90deg, "
     return (
-        f'<div style="padding: 0 1em 0.6em; font-size: 0.85em; line-height: 1.6">{metric(reach)} inside '
+        f"{metric(reach)} inside "
         f'<span style="{bar}{deep}, {shallow}); border-right: 2px solid black"></span>'
         f'<span style="{bar}{near}, {far})"></span> {metric(reach)} outside<br>'
-        f"black: the surface; a band: {metric(reach / _BANDS)}</div>"
+        f"black: the surface; a band: {metric(reach / _BANDS)}"
     )
 
 

@@ -16,6 +16,7 @@ from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 # The browser refuses every network access, but may run what is in the page.
@@ -38,6 +39,7 @@ def add_heading(
     plots: str = "",
     ground: float | None = None,
     seconds: float = 0.0,
+    notes: Sequence[str] = (),
 ) -> str:
     """Add a heading with a legend to the player's page, and forbid network access.
 
@@ -53,6 +55,7 @@ def add_heading(
         plots: HTML from :func:`~voxshell.viewer.time_plots.draw_time_plots`.
         ground: Height above which the camera stays, display units; None if there is no ground.
         seconds: Of playback up to the last picture, where the clock ends; 0 if nothing plays.
+        notes: More lines of the legend, HTML.
 
     Raises:
         RecordingError: The page has no head or body, so the player is not the expected one.
@@ -75,6 +78,7 @@ def add_heading(
             '<label hidden><input id="voxshell-through" type="checkbox" checked>'
             "contacts show through bodies</label>"
         )
+    legend += [f"<span>{note}</span>" for note in notes]
     if grid is not None:
         legend.append(f'<span class="faint">grid: {escape(metric(grid))}</span>')
     colors = ", ".join("#{:02x}{:02x}{:02x}".format(*color) for color in DEPTH_COLORS)

@@ -172,12 +172,13 @@ def _describe_rate(timeline: Timeline, lanes: Sequence[Lane]) -> str:
     rates = sorted({round(1.0 / lane.recording.time_step, 6) for lane in lanes})
     frames = f"{rates[0]:.6g}" if len(rates) == 1 else f"{rates[0]:.6g} to {rates[-1]:.6g}"
     if timeline.stride == 1:
-        shown = "all of which are shown"
+        shown = "all frames"
     elif len(rates) == 1:
-        shown = f"of which one in {timeline.stride} is shown"
+        shown = f"one frame in {timeline.stride}"
     else:
-        shown = f"shown in {rates[-1] / timeline.stride * timeline.speed:.3g} pictures a second"
+        shown = f"{rates[-1] / timeline.stride * timeline.speed:.3g} pictures per second"
     text = (
-        f"{pace}: {round(timeline.times[-1], 2):g} s of {frames} recorded frames a second, {shown}."
+        f"{pace}: {round(timeline.times[-1], 2):g} s, recorded at {frames} frames per second. "
+        f"It shows {shown}."
     )
     return text if timeline.speed == 1.0 else f"{text} The bar counts seconds of playing."

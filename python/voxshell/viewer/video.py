@@ -113,8 +113,11 @@ def save_video(
     ):
         film = _Film(pyvista, plotter, recording, timeline, size=pixels, up=up, title=title)
         try:
-            with open_writer(imageio, temporary, pause) as writer:
-                count = len(timeline.times)
+            count = len(timeline.times)
+            is_gif = path.suffix.lower() == ".gif"
+            looks = sorted({0, count // 2, count - 1}) if is_gif else []
+            samples = [film.draw(instant) for instant in looks]
+            with open_writer(imageio, temporary, pause, samples) as writer:
                 for instant in range(count):
                     writer.append_data(film.draw(instant))
                     tell("draw", (instant + 1) / count)

@@ -271,3 +271,12 @@ def test_a_model_file_has_its_own_suffix(part, tmp_path, name):
 def test_only_models_are_built_from_meshes():
     with pytest.raises(vx.InputTypeError, match=r"build a model with Model\.from_mesh\(mesh\)"):
         vx.Model()
+
+
+def test_a_mesh_file_is_not_a_model_file_and_the_error_says_what_to_call(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box((1.0, 1.0, 1.0)).export("box.STL", file_type="stl")
+    with pytest.raises(
+        vx.ModelFileError, match=r"not a model file: .*: Model.from_mesh\('box.STL'\)"
+    ):
+        vx.Model.load("box.STL")

@@ -17,7 +17,7 @@ from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
 from voxshell.viewer.layers import describe_slice, find_box, find_level_surface, paint_slice
-from voxshell.viewer.server import make_address, silent_server
+from voxshell.viewer.server import SHOWN_AT_ONCE, make_address, silent_server
 
 HALF = (0.03, 0.02, 0.01)
 
@@ -111,7 +111,7 @@ class Visit:
 
 @pytest.fixture
 def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]]:
-    with silent_server(token="secret") as server:
+    with silent_server(token="secret", head=SHOWN_AT_ONCE) as server:
         inspector = Inspector(server, brick, vx.Sphere(0.015), name="brick")
         visit = Visit(browser, make_address(server, "secret"))
         visit.wait(lambda: int(np.sum(visit.picture().min(axis=2) < 240)) > 2000, "nothing is seen")
@@ -164,6 +164,13 @@ def test_a_drag_moves_either_body_and_its_contacts(visit: tuple[Visit, Inspector
         assert np.abs(lift).max() < 1e-6
         assert np.array_equal(inspector.poses[1 - moved], before[1 - moved])
     assert page.complaints == []
+
+
+def test_a_page_of_a_slow_machine_is_not_pale(visit: tuple[Visit, Inspector]):
+    page, _ = visit
+    canvas = "getComputedStyle(document.querySelector('canvas[data-engine]'))"
+    # viser fades it in over five pictures, and draws the next one when something changes.
+    assert page.page.evaluate(f"{canvas}.opacity") == "1"
 
 
 def test_a_place_typed_in_moves_either_body_and_its_contacts(
@@ -243,6 +250,25 @@ def test_the_exported_page_shows_the_scene_offline(
     assert player.page.title() == "a <brick>"
     assert player.complaints == []
     assert player.fetched == [path.as_uri()]
+
+
+def test_the_exported_page_explains_the_colors_of_its_layers(brick: vx.Model, tmp_path: Path):
+    pose = np.eye(4)
+    pose[0, 3] = 0.04  # 5 mm deep
+    with silent_server() as server:
+        inspector = Inspector(
+            server, brick, vx.Sphere(0.015), pose=pose, show=("slice", "points"), name="brick"
+        )
+        shown = inspector.save_html(tmp_path / "layers.html").read_text()
+        plain = Inspector(server, brick).save_html(tmp_path / "plain.html").read_text()
+    legend = shown[shown.index('<div class="legend">') :]
+    assert "slice: " in legend
+    assert describe_slice(brick) in legend
+    assert "a color: the points of one sphere of the tree's level 3" in legend
+    assert "contact depth 0" in legend
+    assert f"{len(brick.mesh.faces):,} triangles" in shown[shown.index("<h1>") :]
+    legend = plain[plain.index('<div class="legend">') :]
+    assert not any(word in legend for word in ("slice: ", "a color: ", "contact depth"))
 
 
 def test_the_legend_of_a_slice_has_its_distances_and_the_width_of_a_band():

@@ -168,6 +168,18 @@ def test_the_clock_and_the_bar_end_with_the_recording(play: Callable[[Path], Pla
     player.page.locator(".mantine-Slider-root").wait_for(state="hidden")
 
 
+def test_the_speed_is_written_out(play: Callable[[Path], Player], replay: Path):
+    speed = play(replay).page.locator("input.mantine-Select-input").first
+    assert speed.input_value() == "1x"
+    room = """(input) => {
+        const style = getComputedStyle(input), canvas = document.createElement("canvas").getContext("2d");
+        canvas.font = style.font;
+        const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
+        return input.clientWidth - sides - canvas.measureText("0.5x").width;
+    }"""
+    assert speed.evaluate(room) >= 0.0
+
+
 def test_a_typed_time_is_kept_to_the_hundredth(play: Callable[[Path], Player], replay: Path):
     player = play(replay)
     player.wait(lambda p: blue(p) > 200, "no ball is seen")
@@ -287,8 +299,8 @@ def test_a_failed_write_leaves_the_old_page(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("frames", "rate", "text"),
     [
-        (81, 40, "Plays in real time: 2 s of 40 recorded frames a second, all of which are shown."),
-        (401, 200, "2 s of 200 recorded frames a second, of which one in 4 is shown."),
+        (81, 40, "Plays in real time: 2 s, recorded at 40 frames per second. It shows all frames."),
+        (401, 200, "2 s, recorded at 200 frames per second. It shows one frame in 4."),
     ],
 )
 def test_the_caption_counts_frames_of_the_recording(frames: int, rate: int, text: str):

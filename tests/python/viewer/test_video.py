@@ -136,8 +136,8 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
         def __init__(self, *_: object, **__: object) -> None:
             pass
 
-        def draw(self, instant: int) -> int:
-            return instant
+        def draw(self, instant: int) -> np.ndarray:
+            return np.full((8, 8, 3), instant, np.uint8)
 
     encoder = SimpleNamespace(get_writer=open_writer)
     monkeypatch.setattr("voxshell.viewer.video._import_libraries", lambda: (None, encoder))
