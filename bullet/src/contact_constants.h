@@ -129,9 +129,9 @@ inline constexpr double kLeaningSine = 0.02;
 /// lands flush touches with fewer places. Larger: faces that tip over an edge stay on it.
 inline constexpr double kForemostAngle = 0.05;
 inline constexpr double kForemostCosine = 1.0 - 0.5 * kForemostAngle * kForemostAngle;
-/// What comes before an edge, it itself or one of its faces, is looked up this fraction of the rest
-/// margin outside. Larger: other parts of the body are nearer. Smaller: rounding decides.
-inline constexpr double kOutsideOfReach = 0.25;
+/// What comes first there is looked up this fraction of the rest margin outside. Larger: other
+/// parts of the body are nearer. Smaller: rounding decides.
+inline constexpr double kOutsideOfMargin = 0.25;
 /// The place where two edges cross is looked for from this fraction of the displacement on, up to
 /// this many times the displacement from where it was, and then by this many halvings. More: edges
 /// that are nearly parallel have no one place where they cross.

@@ -27,7 +27,7 @@ void drop_behind_faces(std::vector<Contact>& contacts, const Side& own, const Tu
       toward = normalized(toward);
     }
     const Vec3 shown = normal_outside(own.model()->grid(), static_cast<Vec3>(contact.point), toward,
-                                      kOutsideOfReach * reach);
+                                      kOutsideOfMargin * reach);
     return turning.may_face(shown, toward, kForemostAngle);
   });
 }

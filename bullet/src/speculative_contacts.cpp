@@ -108,7 +108,7 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     const Vec3 toward = followed.path_from_own.inverse().rotate(
         path.turned_back(reached->fraction, field_from_path.inverse().rotate(-touch.outwards)));
     const Vec3 shown =
-        normal_outside(*followed.own, followed.place, toward, kOutsideOfReach * step.rest_margin);
+        normal_outside(*followed.own, followed.place, toward, kOutsideOfMargin * step.rest_margin);
     return dot(shown, toward) >= kForemostCosine;
   };
   if (point != nullptr) {

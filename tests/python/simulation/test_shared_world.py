@@ -156,7 +156,9 @@ def test_a_recording_that_is_read_during_steps_is_whole():
         if not world.bodies:
             return
         recording = recorder.recording()
-        frames.append({len(track.poses) for track in recording.bodies} | {recording.contacts.frame_count})
+        frames.append(
+            {len(track.poses) for track in recording.bodies} | {recording.contacts.frame_count}
+        )
 
     assert run_together([add_and_step, read, read], seconds=1.5) == []
     assert all(len(lengths) == 1 for lengths in frames)
