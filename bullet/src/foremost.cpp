@@ -19,12 +19,10 @@ void drop_behind_faces(std::vector<Contact>& contacts, const Side& own, const Tu
       const auto normal = static_cast<Vec3>(shell.normals()[contact.id]);
       if (turning.may_face(normal, toward, kForemostAngle)) return true;
     } else {
-      // Of an edge that points toward the other body, it is the end that touches.
-      const Vec3 along =
-          normalized(static_cast<Vec3>(shell.edges()->halves()[contact.id - shell.size()]));
-      toward = toward - dot(toward, along) * along;
-      if (length(toward) < kFacesEdge) return true;
-      toward = normalized(toward);
+      const auto half = static_cast<Vec3>(shell.edges()->halves()[contact.id - shell.size()]);
+      const auto around = around_edge(normalized(half), toward);
+      if (!around) return true;
+      toward = *around;
     }
     const Vec3 shown = normal_outside(own.model()->grid(), static_cast<Vec3>(contact.point), toward,
                                       kOutsideOfMargin * reach);

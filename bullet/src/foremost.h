@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <variant>
 #include <vector>
 
+#include "contact_constants.h"
 #include "pair_step.h"
 #include "voxshell/contacts.h"
 #include "voxshell/field.h"
@@ -27,6 +29,14 @@ inline Vec3 normal_outside(const Field& own, const Vec3& place, const Vec3& dire
                            double distance) {
   return std::visit(
       [&](const auto& field) { return normal_outside(field, place, direction, distance); }, own);
+}
+
+/// The direction in which an edge shows what lies between its faces: at right angles to it. None
+/// where the edge points in the direction by more than 60 degrees: its end shows itself there.
+inline std::optional<Vec3> around_edge(const Vec3& along, const Vec3& direction) {
+  const Vec3 around = direction - dot(direction, along) * along;
+  if (length(around) < kFacesEdge) return std::nullopt;
+  return normalized(around);
 }
 
 /// Drops contacts of edges and of flat faces that other parts of their surface come before, even if

@@ -102,15 +102,17 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     const double distance = kFlatScales[0] * step.ball.radius;
     if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
   }
-  const auto is_foremost = [&](const auto& followed) {
-    // What stops such bodies turns them by more than they turn by now.
-    if (step.exceeds_thickness()) return true;
-    const Vec3 toward = followed.path_from_own.inverse().rotate(
+  // Toward the other body, in the frame of the own one.
+  const auto toward_from = [&](const Pose& path_from_own) {
+    return path_from_own.inverse().rotate(
         path.turned_back(reached->fraction, field_from_path.inverse().rotate(-touch.outwards)));
-    const Vec3 shown =
-        normal_outside(*followed.own, followed.place, toward, kOutsideOfMargin * step.rest_margin);
-    return dot(shown, toward) >= kForemostCosine;
   };
+  const auto shows = [&](const auto& own, const Vec3& place, const Vec3& direction) {
+    const double distance = kOutsideOfMargin * step.rest_margin;
+    return dot(normal_outside(own, place, direction, distance), direction) >= kForemostCosine;
+  };
+  // What stops bodies that move farther than that turns them by more than they turn by now.
+  const bool must_show = !step.exceeds_thickness();
   if (point != nullptr) {
     const Vec3 out_of_field = -field_from_path.rotate(
         path.turned_at(reached->fraction, point->path_from_own.rotate(point->normal)));
@@ -129,13 +131,15 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
         if (!depth) return std::nullopt;
         touch.outwards = out_of_field;
         touch.gap = std::max(-*depth, 0.0);
-      } else if (point->ends_at_edges && !is_foremost(*point)) {
+      } else if (must_show && point->ends_at_edges &&
+                 !shows(*point->own, point->place, toward_from(point->path_from_own))) {
         return std::nullopt;
       }
     }
   }
-  if (edge != nullptr && touch.along == 0.0 && !(step.restitution > 0.0) && !is_foremost(*edge)) {
-    return std::nullopt;
+  if (edge != nullptr && must_show && touch.along == 0.0 && !(step.restitution > 0.0)) {
+    const auto around = around_edge(edge->along, toward_from(edge->path_from_own));
+    if (around && !shows(*edge->own, edge->place, *around)) return std::nullopt;
   }
   const double closing = -dot(displacement, touch.outwards);
   if (!(closing > 0.0)) return std::nullopt;
