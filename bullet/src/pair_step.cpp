@@ -11,10 +11,6 @@
 
 namespace voxshell::bullet {
 
-bool PairStep::exceeds_thickness() const {
-  return farthest_displacement > std::min(pair->a.thinnest(), pair->b.thinnest());
-}
-
 double PairStep::touching_gap() const { return kTouchingOfDetail * detail; }
 
 Pose PairStep::field_from_shell_after(double fraction, const Motion& of_a,

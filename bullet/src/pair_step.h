@@ -43,8 +43,6 @@ struct PairStep {
 
   /// Whether points farther away than the rest margin may be contacts.
   bool looks_ahead() const { return margin > rest_margin; }
-  /// Whether the bodies move farther than the thinner one is thick.
-  bool exceeds_thickness() const;
   /// The gap at which surfaces count as touching.
   double touching_gap() const;
   /// Where the bodies are after a fraction of the step, if nothing stops them.
