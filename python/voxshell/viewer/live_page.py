@@ -75,7 +75,9 @@ class LivePage:
         self._view, self._up = view, find_up(view.gravity)
         self._token = make_token()
         self._stack = ExitStack()
-        head = read_part("live_page.html").replace("{{stay_above}}", read_part("stay_above.js"))
+        head = read_part("live_page.html")
+        for name, part in (("canvas", "canvas.css"), ("stay_above", "stay_above.js")):
+            head = head.replace(f"{{{{{name}}}}}", read_part(part))
         self._server = self._stack.enter_context(silent_server(port, token=self._token, head=head))
         self._scene = LiveScene(self._server.scene, colors, self._drag)
         self._camera: Camera | None = None

@@ -96,6 +96,7 @@ def add_heading(
         "room": f"{ROOM_LIGHT:g}",
         "aspect": f"{VIEW_ASPECT:g}",
         "seconds": f"{seconds:.6g}",
+        "canvas": read_part("canvas.css"),
         "stay_above": read_part("stay_above.js"),
         "ground": "null" if ground is None else f"{ground:.6g}",
     }
@@ -113,6 +114,11 @@ def add_heading(
     if count == 0:
         top = f"<title>{escape(title)}</title>{top}"
     return "".join([page[:head], policy, top, heading, page[body:]])
+
+
+def style_canvas() -> str:
+    """Return the background of a scene, for the head of a page that has no style of its own."""
+    return f"<style>{read_part('canvas.css')}</style>"
 
 
 def read_part(name: str) -> str:

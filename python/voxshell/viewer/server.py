@@ -16,12 +16,6 @@ if TYPE_CHECKING:
 
     import viser
 
-SHOWN_AT_ONCE = """<style>
-  /* viser fades it in over five pictures, and a slow machine draws no more of them. */
-  canvas[data-engine] { background: linear-gradient(#e2e9f2, #fafbfd 70%); opacity: 1 !important; }
-</style>"""
-"""For the head of a page: its scene is not pale at first."""
-
 
 def import_viser() -> ModuleType:
     """Return viser, which makes scenes and pages.

@@ -17,7 +17,8 @@ from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
 from voxshell.viewer.layers import describe_slice, find_box, find_level_surface, paint_slice
-from voxshell.viewer.server import SHOWN_AT_ONCE, make_address, silent_server
+from voxshell.viewer.page import style_canvas
+from voxshell.viewer.server import make_address, silent_server
 
 HALF = (0.03, 0.02, 0.01)
 
@@ -111,7 +112,7 @@ class Visit:
 
 @pytest.fixture
 def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]]:
-    with silent_server(token="secret", head=SHOWN_AT_ONCE) as server:
+    with silent_server(token="secret", head=style_canvas()) as server:
         inspector = Inspector(server, brick, vx.Sphere(0.015), name="brick")
         visit = Visit(browser, make_address(server, "secret"))
         visit.wait(lambda: int(np.sum(visit.picture().min(axis=2) < 240)) > 2000, "nothing is seen")
