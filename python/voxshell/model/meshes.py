@@ -179,7 +179,10 @@ def doubt_unit(
 
 
 def advise_on_mesh_file(path: bytes) -> str:
-    """Return what to do with a mesh file that was taken for a model file; empty if it is none by its suffix."""
+    """Return the end of an error about a file that is no model file: what to do if it is a mesh file.
+
+    The suffix decides whether it is one. For other files, the text is empty.
+    """
     name = os.fsdecode(path)
     if os.path.splitext(name)[1][1:].lower() not in KINDS:
         return ""
