@@ -10,7 +10,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly wheels=${1:-build/dist} root=${2:-build/bullseye}
-readonly log=$root.log
+readonly log=$root.log home=$root/root
 
 say() { printf '%s\n' "$*"; }
 
@@ -48,11 +48,11 @@ if [[ ! -e $root ]]; then
   mv "$root.part" "$root"
 fi
 say "trying the wheels of $wheels in it ..."
-rm -rf "$root/root/wheels" "$root/root/tools" "$root/root/env"
-cp -r "$wheels" "$root/root/wheels"
-mkdir "$root/root/tools"
-cp tools/try_readme.py tools/try_installed.py "$root/root/tools/"
-cp README.md "$root/root/"
+rm -rf "$home/wheels" "$home/tools" "$home/env"
+cp -r "$wheels" "$home/wheels"
+mkdir "$home/tools"
+cp tools/try_readme.py tools/try_installed.py "$home/tools/"
+cp README.md "$home/"
 inside "$root" <<'TXT'
 /opt/python/bin/python3.11 -m venv env
 env/bin/pip install --quiet --disable-pip-version-check --only-binary :all: --find-links wheels "voxshell[viewer]"
