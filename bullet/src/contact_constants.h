@@ -122,6 +122,24 @@ inline constexpr int kMostAdvances = 64;
 /// A place of an edge is the one nearest to the other body where the field's normal leans along the
 /// edge by at most this sine. Smaller: edges that lie flat have their contacts moved to and fro.
 inline constexpr double kNearestWithinSine = 1e-3;
+/// The same where nothing rebounds. Smaller: what slides over flush faces is braked. Larger: what
+/// tips over an edge is turned too fast by the face beside the edge.
+inline constexpr double kLeaningSine = 0.02;
+/// An edge crosses another one where the mean of the normals beside it, weighted to be square to
+/// it, is at least this long. Smaller: walls on two sides count as one edge, and the depth between
+/// them, divided by that length, has no bound. Larger: sharp edges do not cross.
+inline constexpr double kLeastCrossing = 0.5;
+/// What touches comes first of its own surface in that direction, within 3 degrees. Smaller: what
+/// lands flush touches with fewer places. Larger: faces that tip over an edge stay on it.
+inline constexpr double kForemostAngle = 0.05;
+inline constexpr double kForemostCosine = 1.0 - 0.5 * kForemostAngle * kForemostAngle;
+/// Only where bodies close by less than this fraction of the thinner one's thickness within the
+/// step: the touch turns them by little then. Larger: what is thrown down lands deeper, with what
+/// came later before the touch. Smaller: at low rates, faces stay on the edge that they tip over.
+inline constexpr double kGentleOfThickness = 0.2;
+/// What comes first there is looked up this fraction of the rest margin outside. Larger: other
+/// parts of the body are nearer. Smaller: rounding decides.
+inline constexpr double kOutsideOfMargin = 0.25;
 /// The place where two edges cross is looked for from this fraction of the displacement on, up to
 /// this many times the displacement from where it was, and then by this many halvings. More: edges
 /// that are nearly parallel have no one place where they cross.

@@ -14,7 +14,10 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "edge_crossings.h"
 #include "facing_normals.h"
+#include "foremost.h"
+#include "impact.h"
 #include "of_this_thread.h"
 #include "voxshell/manifold.h"
 #include "way_out.h"
@@ -286,6 +289,21 @@ void ContactSearch::take(const Question& question, const PosedShell& posed, OfSh
   }
   of.flat.align(contacts, posed.field(), posed.shell(), posed.model().grid(), field_from_shell,
                 question.touch);
+  const bool are_sharp = posed.own.has_sharp_field() && posed.other.has_sharp_field();
+  if (question.slides && are_sharp && !(step->restitution > 0.0)) {
+    cross_edges(contacts, posed.own, posed.other, field_from_shell,
+                std::max(double{question.touch.margin}, step->farthest_displacement));
+    // Bodies at rest lie on all places that they touch with.
+    if (!step->is_still) {
+      const Turning turning = turning_of(*step, posed.is_of_field);
+      std::erase_if(contacts, [&](const Contact& contact) {
+        const Contact of_first =
+            posed.is_of_field ? turn_over(contact, posed.field_from_shell) : contact;
+        return is_gentle(*step, impact_of(*step, of_first)) &&
+               is_behind_face(contact, posed.own, turning, step->rest_margin);
+      });
+    }
+  }
   if (step != nullptr && question.settings.mode != ContactMode::kSegmented) {
     for (std::vector<Contact>* each : {&contacts, &of.guards}) {
       drop_from_behind(*each, posed.shell(),

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "contact_constants.h"
 #include "pair_step.h"
 #include "voxshell/contacts.h"
 
@@ -39,6 +41,12 @@ inline double closing_of(const PairStep& step, const Impact& impact) {
 /// Whether it takes more than a step to cross the rest margin.
 inline bool is_slow(const PairStep& step, const Impact& impact) {
   return impact.approach * step.time_step <= step.rest_margin;
+}
+
+/// Whether what stops the bodies turns them by little, as they close slowly for their thickness.
+inline bool is_gentle(const PairStep& step, const Impact& impact) {
+  const double thinnest = std::min(step.pair->a.thinnest(), step.pair->b.thinnest());
+  return closing_of(step, impact) <= kGentleOfThickness * thinnest;
 }
 
 /// Whether a point is a contact where it is: it penetrates, or is slow and within the rest margin.

@@ -8,7 +8,9 @@
 
 #include "conservative_advancement.h"
 #include "contact_constants.h"
+#include "edge_piece.h"
 #include "flatness.h"
+#include "foremost.h"
 #include "impact.h"
 #include "round_touch.h"
 #include "second_shell.h"
@@ -34,6 +36,7 @@ struct SurfacePoint {
   Vec3 normal;
   Pose path_from_own;  ///< at the start of the step
   bool is_on_curve;
+  bool ends_at_edges;  ///< of the shell, and the other body has a sharp field
 
   /// Whether the field's surface bends nearer to a touch than that of the body does: along the
   /// tangent by which their normals differ, as a cylinder is straight along its axis alone, or all
@@ -55,53 +58,12 @@ struct SurfacePoint {
   }
 };
 
-/// A piece of an edge that is followed, in its own body's frame. What touches an edge of the other
-/// body is the place where the two cross, which moves along both. A place of the edge that was
-/// followed instead would pass the other edge, and touch a face beside it.
-struct EdgePiece {
-  const GridField* own;
-  Vec3 place;
-  Vec3 along;           ///< unit length
-  Vec3 along_in_field;  ///< the same in the field's frame
-  double tolerance;     ///< of its own surface, meters
-};
-
 /// The place of a curved surface that faces a face of the other body, as long as it does.
 struct FacingPlace {};
 
 /// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that
 /// knows nothing of its surface.
 using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
-
-/// How far along an edge its place nearest to the field is from a place of it; 0 where the edge
-/// ends before. `way` is what that place has moved by, meters.
-template <class F>
-double slide_along(const EdgePiece& edge, const F& field, const Vec3& at, double way) {
-  const auto slope_at = [&](double along) {
-    const auto place = static_cast<Vec3f>(at + along * edge.along_in_field);
-    return dot(static_cast<Vec3>(field.gradient(place)), edge.along_in_field);
-  };
-  if (!(way > 0.0)) return 0.0;
-  const double slope = slope_at(0.0);
-  if (std::abs(slope) <= kNearestWithinSine) return 0.0;
-  // Over a face the slope is the same all the way to its edge.
-  const double side = slope > 0.0 ? -1.0 : 1.0;
-  double before = 0.0;
-  double beyond = kFirstSlideOfWay * way;
-  while (side * slope_at(side * beyond) < 0.0) {
-    before = beyond;
-    beyond *= 2.0;
-    if (!(beyond <= kMostSlideOfWay * way)) return 0.0;
-  }
-  for (int i = 0; i < kSlideHalvings; ++i) {
-    const double middle = 0.5 * (before + beyond);
-    (side * slope_at(side * middle) < 0.0 ? before : beyond) = middle;
-  }
-  const double along = side * beyond;
-  const auto place = static_cast<Vec3f>(edge.place + along * edge.along);
-  const auto off_surface = std::abs(static_cast<double>(edge.own->distance(place)));
-  return off_surface <= edge.tolerance ? along : 0.0;
-}
 
 /// @param path             Of what is followed, in the frame of the shell.
 /// @param field_from_path  Its pose in the field, at the start of the step.
@@ -117,25 +79,38 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
                                 double offset, const Element& element) {
   const auto* point = std::get_if<SurfacePoint>(&element);
   const auto* edge = std::get_if<EdgePiece>(&element);
-  double along = 0.0;
+  Crossing crossing;
   const auto place_at = [&](double fraction) {
     const Vec3 place = field_from_path.transform_point(path.at(fraction));
     if (edge == nullptr) return static_cast<Vec3f>(place);
-    along = slide_along(*edge, field, place, fraction * path.length());
-    return static_cast<Vec3f>(place + along * edge->along_in_field);
+    const double way = step.restitution > 0.0 ? fraction * path.length()
+                                              : std::max(path.length(), step.touching_gap());
+    crossing = find_crossing(*edge, field, place, way);
+    return static_cast<Vec3f>(place + crossing.along * edge->along_in_field);
   };
   const auto reached = advance(path.length(), step.touching_gap(), steps, [&](double fraction) {
     return clearance_of(field, place_at(fraction), offset);
   });
   if (!reached) return std::nullopt;
   Touch touch{
-      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, along, reached->fraction};
-  touch.outwards = normalized(static_cast<Vec3>(field.gradient(touch.place)));
+      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, 0.0, reached->fraction};
+  touch.along = crossing.along;
+  touch.outwards = normalized(
+      crossing.along != 0.0 ? crossing.outwards : static_cast<Vec3>(field.gradient(touch.place)));
   if (std::holds_alternative<FacingPlace>(element)) {
     const Vec3 on_field = static_cast<Vec3>(touch.place) - (reached->gap + offset) * touch.outwards;
     const double distance = kFlatScales[0] * step.ball.radius;
     if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
   }
+  // Toward the other body, in the frame of the own one.
+  const auto toward_from = [&](const Pose& path_from_own) {
+    return path_from_own.inverse().rotate(
+        path.turned_back(reached->fraction, field_from_path.inverse().rotate(-touch.outwards)));
+  };
+  const auto shows = [&](const auto& own, const Vec3& place, const Vec3& direction) {
+    const double distance = kOutsideOfMargin * step.rest_margin;
+    return dot(normal_outside(own, place, direction, distance), direction) >= kForemostCosine;
+  };
   if (point != nullptr) {
     const Vec3 out_of_field = -field_from_path.rotate(
         path.turned_at(reached->fraction, point->path_from_own.rotate(point->normal)));
@@ -154,8 +129,15 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
         if (!depth) return std::nullopt;
         touch.outwards = out_of_field;
         touch.gap = std::max(-*depth, 0.0);
+      } else if (point->ends_at_edges &&
+                 !shows(*point->own, point->place, toward_from(point->path_from_own))) {
+        return std::nullopt;
       }
     }
+  }
+  if (edge != nullptr && touch.along == 0.0 && !(step.restitution > 0.0)) {
+    const auto around = around_edge(edge->along, toward_from(edge->path_from_own));
+    if (around && !shows(*edge->own, edge->place, *around)) return std::nullopt;
   }
   const double closing = -dot(displacement, touch.outwards);
   if (!(closing > 0.0)) return std::nullopt;
@@ -163,28 +145,33 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
   return touch;
 }
 
-/// Where nothing rebounds, edges are places, too: beside flush faces, a crossing has a normal that
-/// leans, and would brake what slides. Points of curved surfaces are no faces, however small the
-/// facets' bend.
-Element element_of(const PairStep& step, const Side& side, std::uint32_t id, const Vec3& place,
-                   const Pose& path_from_own, const Pose& field_from_own) {
+/// Where nothing rebounds, edges that lie flat are places, too: beside flush faces, a crossing has
+/// a normal that leans, and would brake what slides. Points of curved surfaces are no faces,
+/// however small the facets' bend.
+Element element_of(const PairStep& step, const Side& side, const Contact& contact, std::uint32_t id,
+                   const Vec3& place, const Pose& path_from_own, const Pose& field_from_own) {
   const PointShell& shell = *side.participant().shell;
   const Field& own = side.model()->field();
+  const PosedPair& pair = *step.pair;
+  const Side& other = &side == &pair.shell_side() ? pair.field_side() : pair.shell_side();
+  const bool ends_at_edges = side.has_sharp_field() && other.has_sharp_field() &&
+                             is_gentle(step, impact_of(step, contact));
   if (shell.is_point(id)) {
     if (!lies_on_curve(*side.model(), id)) {
       const auto normal = static_cast<Vec3>(shell.normals()[id]);
-      return SurfacePoint{&own, place, normal, path_from_own, false};
+      return SurfacePoint{&own, place, normal, path_from_own, false, ends_at_edges};
     }
     const SmoothSurface& surface = side.model()->smooth_surface();
     // What has slid is no longer where its sample is.
     const SmoothSurface::Place on = surface.nearest(place, surface.triangle_of(id));
-    return SurfacePoint{&own, place, surface.normal(on), path_from_own, true};
+    return SurfacePoint{&own, place, surface.normal(on), path_from_own, true, false};
   }
-  if (!(step.restitution > 0.0) || id >= shell.element_count()) return {};
-  const auto half = static_cast<Vec3>(shell.edges()->halves()[id - shell.size()]);
-  const Vec3 along = normalized(half);
-  return EdgePiece{&side.model()->grid(), place, along, field_from_own.rotate(along),
-                   side.model()->settings().tolerance};
+  if (id >= shell.element_count()) return {};
+  if (step.restitution > 0.0) {
+    return edge_piece_of(side, id, place, path_from_own, field_from_own, kNearestWithinSine);
+  }
+  if (!ends_at_edges) return {};
+  return edge_piece_of(side, id, place, path_from_own, field_from_own, kLeaningSine);
 }
 
 /// Features of the sides of cylinders and capsules are of a surface that is straight.
@@ -199,7 +186,7 @@ Element element_of(const PosedPair& pair, const Feature& feature, const Pose& fi
         return normalized(static_cast<Vec3>(typed.gradient(static_cast<Vec3f>(place))));
       },
       field);
-  return SurfacePoint{&field, place, normal, field_from_shell.inverse(), true};
+  return SurfacePoint{&field, place, normal, field_from_shell.inverse(), true, false};
 }
 
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
@@ -275,7 +262,7 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
     const std::uint32_t id = contact.id - kFirstOfSecond;
     const Pose shell_from_field = step.field_from_shell.inverse();
     const Element element = !turns ? Element(FacingPlace{})
-                                   : element_of(step, pair.field_side(), id,
+                                   : element_of(step, pair.field_side(), contact, id,
                                                 step.field_from_shell.transform_point(place),
                                                 shell_from_field, shell_from_field);
     return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
@@ -285,8 +272,8 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
       step.time_step * (motion.velocity_at(point) + motion.velocity_of_fall));
   const Path path(motion, point, step.time_step);
   const Element element = !turns ? Element(FacingPlace{})
-                                 : element_of(step, pair.shell_side(), contact.id, point, Pose{},
-                                              step.field_from_shell);
+                                 : element_of(step, pair.shell_side(), contact, contact.id, point,
+                                              Pose{}, step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
         return find_touch(step, field, path, step.field_from_shell, displacement, steps,

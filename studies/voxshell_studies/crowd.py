@@ -32,6 +32,9 @@ RATE = 200.0
 SIDE = 0.45
 """Side of the floor for a hundred bodies, meters; it grows so that heaps have equal depth."""
 
+LEAST_SIDE = 0.14
+"""Side of the narrowest floor, meters: bunnies of 0.1 m would begin within the walls of narrower bins."""
+
 DEPTH = 0.6
 """Height of the bin, meters."""
 
@@ -51,7 +54,7 @@ def list_engines() -> list[Engine]:
 
 def settings_of(count: int) -> PourSettings:
     """Return settings of bunnies of 0.1 m in a bin of equal depth for any number."""
-    side = SIDE * float(np.sqrt(count / 100))
+    side = max(SIDE * float(np.sqrt(count / 100)), LEAST_SIDE)
     return PourSettings(count=count, rate=RATE, bin_size=(side, side, DEPTH))
 
 
