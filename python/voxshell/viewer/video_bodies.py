@@ -87,17 +87,19 @@ class BodyView:
         places = []
         for (low, high), pose in bodies:
             corners = np.array([np.where(bits, high, low) for bits in np.ndindex(2, 2, 2)])
-            grown = corners + np.where(corners < high, -self._reach, self._reach)
-            places.append(grown @ pose[:3, :3].T + pose[:3, 3])
+            places.append(corners @ pose[:3, :3].T + pose[:3, 3])
         aspect = self._size[0] / self._size[1]
         matrix = self._whole.GetCompositeProjectionTransformMatrix(aspect, -1.0, 1.0)
         entries = [[matrix.GetElement(row, column) for column in range(4)] for row in range(4)]
         seen = np.insert(np.concatenate(places), 3, 1.0, axis=1) @ np.array(entries).T
-        if seen[:, 3].min() <= 0.0:  # behind the camera
+        depths = seen[:, 3:]
+        if depths.min() <= self._reach:  # as near as the camera, or behind it
             return np.zeros(2, np.int64), self._size
-        pixels = (0.5 + 0.5 * seen[:, :2] / seen[:, 3:]) * self._size
-        low = (np.floor(pixels.min(axis=0) / _GRAIN) * _GRAIN).clip(0, self._size)
-        high = (np.ceil(pixels.max(axis=0) / _GRAIN) * _GRAIN).clip(0, self._size)
+        pixels = (0.5 + 0.5 * seen[:, :2] / depths) * self._size
+        half = math.tan(0.5 * math.radians(self._whole.GetViewAngle()))
+        around = self._reach * 0.5 * self._size[1] / (half * (depths - self._reach))
+        low = (np.floor((pixels - around).min(axis=0) / _GRAIN) * _GRAIN).clip(0, self._size)
+        high = (np.ceil((pixels + around).max(axis=0) / _GRAIN) * _GRAIN).clip(0, self._size)
         if (low >= high).any():
             return None
         return low.astype(np.int64), high.astype(np.int64)
