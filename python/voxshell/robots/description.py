@@ -228,6 +228,6 @@ class RobotDescription:
 
 
 def shorten_names(names: Sequence[str]) -> str:
-    """Return the first ten names, quoted; of a long name, its beginning."""
-    shown = ", ".join(map(show_value, names[:10]))
-    return f"{shown}, ..." if len(names) > 10 else shown
+    """Return the first five names, quoted, and how many more there are; of a long name, its beginning."""
+    shown = ", ".join(map(show_value, names[:5]))
+    return f"{shown}, and {len(names) - 5} more" if len(names) > 5 else shown

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import show_apart
 from voxshell.base.calls import explain_calls
+from voxshell.base.near_names import suggest_on_set
 from voxshell.base.notebook import make_table
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
@@ -64,6 +65,7 @@ class Link:
 
 
 @explain_calls
+@suggest_on_set
 class Robot:
     """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from voxshell.base.arguments import as_flag, as_not_negative, as_positive
+from voxshell.base.near_names import suggest_on_set
 from voxshell.simulation.live_frame import take_frame
 from voxshell.simulation.live_pull import Pulls
 
@@ -58,6 +59,7 @@ class Page(Protocol):
         ...
 
 
+@suggest_on_set
 class LiveView:
     """A page that follows a world while it steps; made by :meth:`voxshell.World.view`.
 
@@ -83,6 +85,32 @@ class LiveView:
 
     Any thread may call any method.
     """
+
+    __slots__ = (
+        "__weakref__",
+        "_bodies",
+        "_closed",
+        "_due",
+        "_frame",
+        "_gate",
+        "_gravity",
+        "_has_unseen",
+        "_last_step",
+        "_news",
+        "_page",
+        "_pages",
+        "_pause_between",
+        "_paused",
+        "_pulls",
+        "_shown",
+        "_simulation",
+        "_speed",
+        "_start",
+        "_steps_allowed",
+        "_thread",
+        "_time_step",
+        "_wait",
+    )
 
     def __init__(
         self,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from voxshell.base.calls import explain_calls
+from voxshell.base.near_names import suggest_on_set
 from voxshell.errors import InputTypeError, MemoryLimitError
 from voxshell.recording import BodyTrack, ContactTrack, Recording
 from voxshell.simulation.body_colors import as_body_colors
@@ -33,6 +34,7 @@ it ends the process."""
 
 
 @explain_calls
+@suggest_on_set
 class Recorder:
     """Poses and contacts of a world, step by step; made by :meth:`voxshell.World.record`.
 
@@ -50,6 +52,20 @@ class Recorder:
         >>> recorder.recording().frame_count
         11
     """
+
+    __slots__ = (
+        "__weakref__",
+        "_bodies",
+        "_contacts",
+        "_every",
+        "_forces",
+        "_lock",
+        "_poses",
+        "_simulation",
+        "_steps",
+        "_stopped",
+        "_time_step",
+    )
 
     def __init__(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import VIEW_ASPECT, find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.terminal_progress import on_terminal
 from voxshell.viewer.timeline import plan_timeline
+from voxshell.viewer.video_bodies import BodyView
 from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
 
@@ -165,6 +167,7 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
         try:
             finer = [round(_FINER * side) for side in size]
             plotter = pyvista.Plotter(off_screen=True, window_size=finer, lighting="none")
+            plotter.render_window.SetMultiSamples(0)  # the picture is drawn finer instead
         except Exception as error:
             raise MissingExtraError(
                 f"VTK cannot draw on this machine ({error}); install OpenGL's libraries "
@@ -177,6 +180,23 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
     finally:
         core.vtkObject.SetGlobalWarningDisplay(warned)
         core.vtkLogger.SetStderrVerbosity(verbosity)
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A body on a plotter.
+
+    Args:
+        actor: Its actor.
+        body: The body.
+        points: (k, 3) points that lie evenly on its surface, meters, body frame.
+        bounds: (2, 3) its corners, meters, body frame.
+    """
+
+    actor: Any
+    body: BodyTrack
+    points: NDArray[np.float64]
+    bounds: NDArray[np.float64]
 
 
 class _Film:
@@ -213,7 +233,7 @@ class _Film:
         lane = Lane("", recording)
         stage = plan_stage([lane], up=up)
         self._stage, self._up = stage, up
-        self._moving: list[tuple[Any, BodyTrack, NDArray[np.float64]]] = []
+        self._drawn: list[_Drawn] = []
         self._ground: Ground | None = None
         plotter.set_background(BACKGROUND)
         add_light(pyvista, plotter, up=up)
@@ -225,7 +245,8 @@ class _Film:
             slab = slabs.get(body.name)
             if slab is None:
                 points = sample_surface(body.vertices, body.faces)
-                self._moving.append((self._add_body(body, color), body, points))
+                bounds = np.stack([body.vertices.min(axis=0), body.vertices.max(axis=0)])
+                self._drawn.append(_Drawn(self._add_body(body, color), body, points, bounds))
             elif (slab.low[level] <= stage.low[level]).all() and (
                 slab.high[level] >= stage.high[level]
             ).all():
@@ -247,9 +268,9 @@ class _Film:
         ]
         plotter.camera.view_angle = math.degrees(camera.field_of_view)
         plotter.renderer.ResetCameraClippingRange()
-        plotter.enable_ssao(
-            radius=0.3 * stage.body_size, bias=0.01 * stage.body_size, kernel_size=16
-        )
+        finer = (round(_FINER * size[0]), round(_FINER * size[1]))
+        actors = [drawn.actor for drawn in self._drawn]
+        self._bodies = BodyView(plotter, actors, size=finer, body_size=stage.body_size)
         self._marks: list[Any] = []
         self._overlay = self._add_overlay()
         legend = []
@@ -262,17 +283,13 @@ class _Film:
     def draw(self, instant: int) -> NDArray[np.uint8]:
         """Return the picture of an instant of the timeline, (h, w, 3)."""
         frame = int(self._frames[instant])
-        for actor, body, _ in self._moving:
-            actor.user_matrix = body.poses[frame]
-            actor.visibility = frame >= body.start
+        for drawn in self._drawn:
+            drawn.actor.user_matrix = drawn.body.poses[frame]
+            drawn.actor.visibility = frame >= drawn.body.start
+        shown = [drawn for drawn in self._drawn if frame >= drawn.body.start]
+        self._bodies.look_at([(drawn.bounds, drawn.body.poses[frame]) for drawn in shown])
         if self._ground is not None:
-            self._ground.cast(
-                [
-                    (points, body.poses[frame])
-                    for _, body, points in self._moving
-                    if frame >= body.start
-                ]
-            )
+            self._ground.cast([(drawn.points, drawn.body.poses[frame]) for drawn in shown])
         self._draw_contacts(int(self._contact_frames[instant]))
         seconds = frame * self._recording.time_step
         count = int(self._recording.contacts.counts[frame])

@@ -59,6 +59,7 @@ class Ground:
         across, along = np.meshgrid(ticks, ticks)
         self._color_fraction = self._fade(np.hypot(across, along))[..., None]
         self._base = np.array(color, dtype=np.float64)
+        self._bare = self._shade(1.0, self._color_fraction)
         ends = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
         corners = self._lift(self._middle + self._reach * ends, 0.0)
         plane = pyvista.PolyData.from_regular_faces(corners, np.array([[0, 1, 2], [0, 2, 3]]))
@@ -79,13 +80,21 @@ class Ground:
             columns, rows = texels.round().astype(np.int64).T
             inside = (np.minimum(columns, rows) >= 0) & (np.maximum(columns, rows) < _TEXELS)
             shadow[rows[inside], columns[inside]] = 1.0
-        light = 1.0 - _DARKEST * np.minimum(1.4 * _blur(shadow), 1.0)
-        color = self._base * light[..., None] * self._color_fraction + BACKGROUND * (
-            1.0 - self._color_fraction
-        )
+        color = self._bare.copy()
+        part = _find_part(shadow)
+        if part is not None:
+            light = 1.0 - _DARKEST * np.minimum(1.4 * _blur(shadow[part]), 1.0)
+            color[part] = self._shade(light[..., None], self._color_fraction[part])
         image = self._picture.to_image()
-        image.point_data.active_scalars[:] = color.round().astype(np.uint8).reshape(-1, 3)
+        image.point_data.active_scalars[:] = color.reshape(-1, 3)
         self._picture.Modified()
+
+    def _shade(
+        self, light: NDArray[np.float64] | float, fraction: NDArray[np.float64]
+    ) -> NDArray[np.uint8]:
+        """Return colors in a light, 0 to 1, where a fraction of the ground's color is seen."""
+        color = self._base * light * fraction + BACKGROUND * (1.0 - fraction)
+        return color.round().astype(np.uint8)
 
     def _fade(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how much of the ground's color is seen at a distance from the middle, 1 to 0."""
@@ -149,6 +158,18 @@ def sample_surface(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> N
     root, second = np.sqrt(fractions[:, 1:2]), fractions[:, 2:]
     a, b, c = np.moveaxis(corners[chosen], 1, 0)
     return (1.0 - root) * a + root * (1.0 - second) * b + root * second * c
+
+
+def _find_part(shadow: NDArray[np.float64]) -> tuple[slice, slice] | None:
+    """Return the rows and columns that a shadow reaches once it is blurred; None without a shadow."""
+    margin = 3 * _SOFT + 4
+    part = []
+    for axis in (1, 0):
+        found = np.flatnonzero(shadow.any(axis=axis))
+        if not len(found):
+            return None
+        part.append(slice(max(int(found[0]) - margin, 0), int(found[-1]) + margin + 1))
+    return part[0], part[1]
 
 
 def _blur(picture: NDArray[np.float64]) -> NDArray[np.float64]:

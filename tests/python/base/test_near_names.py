@@ -15,14 +15,22 @@ import voxshell as vx
 from voxshell.base import name_advice, near_names
 from voxshell.base.near_names import Absent, find_closest
 from voxshell.base.pybullet_names import PYBULLET
+from voxshell.simulation.live_view import LiveView
 
 
 @pytest.fixture(scope="module")
-def things() -> dict[str, Any]:
+def things(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     model = vx.Model.from_mesh(trimesh.creation.box(), resolution=10)
     world = vx.World()
     body = world.add(model)
+    recorder = world.record()
+    view = LiveView(world._simulation, [body], gravity=world.gravity, time_step=world.time_step)
+    links = tmp_path_factory.mktemp("robot") / "a.urdf"
+    links.write_text("<robot name='a'><link name='b'/></robot>")
     return {
+        "LiveView": view,
+        "Recorder": recorder,
+        "Robot": vx.load_urdf(vx.World(), links),
         "Body": body,
         "Contacts": vx.contacts(model, vx.Plane()),
         "Joint": world.add_joint(vx.HingeJoint(), None, body),
@@ -68,6 +76,37 @@ def test_other_names_are_refused_as_ever(things, owner: str):
     for use in (getattr, lambda thing, name: setattr(thing, name, 1)):
         with pytest.raises(AttributeError, match="no attribute 'colour'"):
             use(things[owner], "colour")
+
+
+MISSPELLED = [
+    ("LiveView", "sped", "speed"),
+    ("Recorder", "stoped", "stopped"),
+    ("Robot", "linkes", "links"),
+]
+
+
+@pytest.mark.parametrize(("owner", "name", "meant"), MISSPELLED)
+def test_who_sets_a_misspelled_name_is_told_the_right_one(
+    things, owner: str, name: str, meant: str
+):
+    with pytest.raises(AttributeError) as caught:
+        setattr(things[owner], name, 3)
+    assert str(caught.value) == (
+        f"{owner!r} object has no attribute {name!r}: did you mean {meant}?"
+    )
+    assert (caught.value.name, caught.value.obj) == (name, None)
+    assert hasattr(things[owner], meant)
+
+
+def test_a_class_that_a_user_derives_may_have_other_attributes():
+    class Table(vx.World):
+        pass
+
+    table = Table()
+    table.hight = 3.0
+    assert table.hight == 3.0
+    with pytest.raises(AttributeError, match="gravity of a world cannot change"):
+        table.gravity = (0, 0, -1)
 
 
 def test_dir_lists_what_is_there(things):

@@ -71,9 +71,18 @@ def test_contacts_show_their_facts(ball: vx.Model):
     assert facts["contacts"] == f"{len(contacts)} of a's points"
     assert facts["depth"].endswith("to 5 mm")
     assert facts["normal there"] == "(0, 0, 1), from b to a"
-    assert facts["complete"] == "yes"
+    assert set(facts) == {"contacts", "depth", "deepest at", "normal there"}
     none = vx.contacts(ball, vx.Plane(), vx.pose((0, 0, 1)))
-    assert cells_of(none._repr_html_()) == {"contacts": "0 of a's points", "complete": "yes"}
+    assert cells_of(none._repr_html_()) == {"contacts": "0 of a's points"}
+
+
+def test_contacts_say_in_a_notebook_if_some_may_be_missing(ball: vx.Model):
+    contacts = vx.contacts(ball, ball, vx.pose((0, 0, 0.19)), budget=1)
+    assert not contacts.exact
+    depth = f"{1e3 * contacts.depth_bound:.4g} mm"
+    assert cells_of(contacts._repr_html_())["missing"] == (
+        f"perhaps some: the budget ended the search; none is deeper than {depth}"
+    )
 
 
 def test_a_recording_shows_its_facts_and_its_replay():

@@ -278,3 +278,48 @@ def test_reprs_say_what_is_there():
     assert repr(world) == "World(2 bodies, 0 joints, time=0.02 s, time_step=0.01 s)"
     world.remove(ball)
     assert repr(ball) == "Body(0, 'ball', Sphere(radius=0.1), mass=2 kg, removed)"
+
+
+class Turn:
+    """Like a rotation of scipy."""
+
+    def as_matrix(self) -> np.ndarray:
+        return np.eye(3)
+
+
+class Transform(Turn):
+    """Like a rigid transform of scipy."""
+
+    translation = np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    ("pose", "advice"),
+    [
+        ((0, 0, 1, 0, 0, 0), r"angles in radians, call voxshell\.pose\(position, euler=\.\.\.\)"),
+        (((0, 0, 1), (0, 0, 0)), r"in radians, call voxshell\.pose\(position, euler=\.\.\.\)"),
+        ([[0, 0, 1]], r"reshape it to \(3,\)"),
+        (np.zeros((3, 1)), r"reshape it to \(3,\)"),
+        (Turn(), r"call voxshell\.pose\(position, xyzw=rotation\.as_quat\(\)\)"),
+        (((0, 0, 1), Turn()), r"call voxshell\.pose\(position, xyzw=rotation\.as_quat\(\)\)"),
+        (Transform(), r"pass the matrix that its as_matrix\(\) returns"),
+    ],
+)
+def test_what_is_nearly_a_pose_is_refused_with_the_way_to_pass_it(pose, advice: str):
+    with pytest.raises(vx.PoseError, match=f"; .*{advice}$"):
+        vx.World().add(vx.Sphere(0.1), pose=pose)
+
+
+@pytest.mark.parametrize(
+    ("option", "advice"),
+    [
+        ("degrees", r"angles are radians; pass euler=numpy\.radians\(\(\.\.\.\)\)"),
+        ("axis", r"pass axis_angle=\(axis, angle\), with the angle in radians"),
+        ("angle", r"pass axis_angle=\(axis, angle\), with the angle in radians"),
+        ("quat", r"pass xyzw=\.\.\. \(real part last\) or wxyz=\.\.\. \(real part first\)"),
+        ("matrix", r"is a pose by itself; pass a \(3, 3\) one as rotation=\.\.\."),
+    ],
+)
+def test_options_of_other_libraries_say_what_to_pass(option: str, advice: str):
+    with pytest.raises(vx.InputTypeError, match=f"no argument '{option}': .*{advice}"):
+        vx.pose((0, 0, 1), **{option: 1})

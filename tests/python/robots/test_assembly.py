@@ -115,7 +115,7 @@ def test_an_inertia_that_no_body_has_loads_with_a_warning(tmp_path):
     )
     path.write_text(text.format("disk", 5))
     world = vx.World(gravity=(0, 0, 0))
-    with pytest.warns(vx.RobotWarning, match="impossible inertias .*disk"):
+    with pytest.warns(vx.RobotWarning, match="1 link with an impossible inertia had .*disk"):
         [disk] = vx.load_urdf(world, path, fixed_base=False).bodies
     disk.apply_torque_impulse((0, 0, 1))
     assert disk.angular_velocity[2] == pytest.approx(0.5)

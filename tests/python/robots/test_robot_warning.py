@@ -20,6 +20,7 @@ INERTIAL = (
     "</inertial>"
 )
 MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
+BALL = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
 SEEN = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
 
 
@@ -76,7 +77,7 @@ def test_faulty_meshes_are_listed_with_their_links_and_files(write, open_box, tm
         joint("x", "a", "b", LIMIT.format(-1, 1)), joint("y", "b", "c", LIMIT.format(-1, 1)),
     )  # fmt: skip
     _, [said] = load(path)
-    assert said.startswith(f"{path} has faulty meshes; winding numbers decide what is inside")
+    assert said.startswith(f"{path}:\n- has faulty meshes; winding numbers decide what is inside")
     assert "'a', 'b' (open.stl: 3 open edges, 1 opening, the largest 0.141 m across)" in said
     assert "voxshell turned it: 'c' (inverted.stl: inside out as a whole)" in said
     assert said.endswith("; repair them, or pass mesh_as='hull', to avoid this warning")
@@ -108,8 +109,8 @@ def test_faults_of_meshes_are_listed_up_to_a_number():
         warn_of_robot(robot, Matter())
     said = str(caught[0].message)
     assert said.startswith("f has faulty meshes; it was closed: 'link0' (part.stl: 0 open edges), ")
-    assert said.count("(part.stl: ") == 30
-    assert ", and 10 more; repair them" in said
+    assert said.count("(part.stl: ") == 3
+    assert ", and 37 more; repair them" in said
 
 
 @pytest.mark.parametrize("fixed_base", [True, False])
@@ -119,12 +120,11 @@ def test_links_that_are_seen_but_cannot_be_touched_are_named(write, fixed_base):
         joint("x", "a", "b", LIMIT.format(-1, 1)), joint("y", "a", "frame", LIMIT.format(-1, 1)),
     )  # fmt: skip
     _, [said] = load(path, fixed_base=fixed_base)
-    assert "links without <collision> touch nothing, although they are visible ('a', 'b');" in said
+    assert "2 links without <collision> cannot be touched, although visible ('a', 'b');" in said
 
 
 def test_links_that_are_part_of_a_body_that_can_be_touched_are_not_named(write):
-    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
-    path = write(link("a", ball), link("b", SEEN), joint("x", "a", "b", kind="fixed"))
+    path = write(link("a", BALL), link("b", SEEN), joint("x", "a", "b", kind="fixed"))
     assert load(path)[1] == []
 
 
@@ -144,3 +144,38 @@ def test_joints_that_cannot_begin_at_0_are_named_and_begin_at_the_nearest_limit(
     robot, said = load(path, positions={"x": -1.0, "z": 1.0})
     assert said == []
     assert robot.positions["follower"] == pytest.approx(-1.0)
+
+
+def test_each_cause_is_a_short_line_that_counts_and_names_the_first_links(write):
+    path = write(
+        *(f'<link name="arm{n}"><inertial><mass value="1"/></inertial>{BALL}</link>' for n in range(12)),
+        *(joint(f"j{n}", f"arm{n}", f"arm{n + 1}") for n in range(11)),
+    )  # fmt: skip
+    _, [said] = load(path, fixed_base=False)
+    head, *causes = said.splitlines()
+    assert head == f"{path}:"
+    assert causes == [
+        "- 12 links without a valid inertia got that of the convex hulls of the collision geometry "
+        "('arm0', 'arm1', 'arm2', 'arm3', 'arm4', and 7 more); complete the file to avoid this warning",
+        "- 11 joints without <limit>, or with a lower limit above the upper one, got no limits "
+        "('j0', 'j1', 'j2', 'j3', 'j4', and 6 more); complete the file to avoid this warning",
+    ]
+
+
+def test_a_single_cause_is_one_line(write):
+    path = write(link("a", BALL), link("b", BALL), joint("x", "a", "b"))
+    _, [said] = load(path)
+    assert said == (
+        f"{path}: 1 joint without <limit>, or with a lower limit above the upper one, got no limits "
+        "('x'); complete the file to avoid this warning"
+    )
+
+
+def test_the_worst_of_many_doubtful_inertias_are_named():
+    times = {f"link{n}": float(10 + n) for n in range(8)}
+    with pytest.warns(vx.RobotWarning) as caught:
+        warn_of_robot(RobotDescription("f", "r", {}, {}), Matter(with_large_inertia=times))
+    said = str(caught[0].message)
+    assert (
+        "can have ('link7': 17 times, 'link6': 16 times, 'link5': 15 times, and 5 more); " in said
+    )

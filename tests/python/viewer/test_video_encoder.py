@@ -84,3 +84,49 @@ def test_a_gif_whose_drawing_fails_is_not_written(tmp_path: Path):
     with pytest.raises(KeyError):
         draw()
     assert not path.exists()
+
+
+def test_a_gif_is_written_picture_by_picture_and_keeps_none_in_memory(tmp_path: Path):
+    rng = np.random.default_rng(3)
+    path = tmp_path / "a.gif"
+    sizes = []
+    with GifWriter(path, 0.1, [np.zeros((2, 2, 3), np.uint8)]) as writer:
+        for _ in range(20):
+            writer.append_data(rng.integers(0, 256, (200, 200, 3), dtype=np.uint8))
+            sizes.append(path.stat().st_size)
+        kept = [value for value in vars(writer).values() if isinstance(value, (list, tuple))]
+        assert max(len(value) for value in kept) <= 3 * 256
+    assert sizes[10] > 0.4 * path.stat().st_size
+    assert sizes[-1] > 0.85 * path.stat().st_size
+    with Image.open(path) as film:
+        assert film.n_frames == 20
+
+
+def test_frames_of_a_gif_that_do_not_change_are_one_that_is_shown_longer(tmp_path: Path):
+    dark, bright = np.zeros((8, 8, 3), np.uint8), np.full((8, 8, 3), 255, np.uint8)
+    part = dark.copy()
+    part[2:4, 5:7] = 255
+    path = tmp_path / "a.gif"
+    with GifWriter(path, 0.1, [dark, bright]) as writer:
+        for picture in (dark, dark, part, part, part, bright):
+            writer.append_data(picture)
+    shown = []
+    with Image.open(path) as film:
+        assert film.info["loop"] == 0
+        for frame in range(film.n_frames):
+            film.seek(frame)
+            shown.append((np.asarray(film.convert("RGB")), film.info["duration"]))
+    assert [pause for _, pause in shown] == [200, 300, 100]
+    for (picture, _), wanted in zip(shown, (dark, part, bright), strict=True):
+        assert (picture == wanted).all()
+
+
+def test_a_gif_of_a_long_rest_counts_as_far_as_it_can(tmp_path: Path):
+    picture = np.zeros((8, 8, 3), np.uint8)
+    path = tmp_path / "a.gif"
+    with GifWriter(path, 400.0, [picture]) as writer:
+        writer.append_data(picture)
+        writer.append_data(picture)
+    with Image.open(path) as film:
+        assert film.n_frames == 2
+        assert film.info["duration"] == 400_000

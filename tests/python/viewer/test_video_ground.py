@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from voxshell.viewer import video_ground
 from voxshell.viewer.video_ground import BACKGROUND, Ground, sample_surface
 
 
@@ -68,3 +69,37 @@ def test_points_of_a_surface_lie_on_it_and_evenly():
     points = sample_surface(np.asarray(box.vertices), np.asarray(box.faces, np.int64))
     assert np.abs(np.abs(points) / (0.5, 0.5, 2.0)).max(axis=1) == pytest.approx(1.0)
     assert (np.abs(points[:, 2]) == 2.0).mean() == pytest.approx(2.0 / 18.0, abs=0.01)
+
+
+@pytest.mark.parametrize("places", [[(0.0, 0.0, 0.1)], [(-0.5, 0.4, 0.1), (2.2, 2.3, 0.3)], []])
+def test_shadows_are_the_same_as_if_the_whole_ground_were_blurred(
+    plotter: Any, monkeypatch, places: list[tuple[float, float, float]]
+):
+    ground = Ground(
+        importlib.import_module("pyvista"),
+        plotter,
+        up="+z",
+        place=np.zeros(3),
+        low=np.full(3, -0.5),
+        high=np.full(3, 0.5),
+        cell=0.1,
+        color=(200, 200, 200),
+    )
+    ball = trimesh.creation.icosphere(2, 0.1)
+    points = sample_surface(ball.vertices, np.asarray(ball.faces, np.int64))
+    shown = []
+    for place in places:
+        pose = np.eye(4)
+        pose[:3, 3] = place
+        shown.append((points, pose))
+    sizes = []
+    blur = video_ground._blur
+    monkeypatch.setattr(
+        video_ground, "_blur", lambda picture: sizes.append(picture.size) or blur(picture)
+    )
+    ground.cast(shown)
+    part = colors_of(ground)
+    assert all(size < 0.5 * 480 * 480 for size in sizes)
+    monkeypatch.setattr(video_ground, "_find_part", lambda _: (slice(0, 480), slice(0, 480)))
+    ground.cast(shown)
+    assert np.abs(colors_of(ground) - part).max() <= 1, "sums of other parts round otherwise"

@@ -24,7 +24,7 @@ def read_material(link: Element, unread: dict[str, list[str]]) -> dict[str, floa
 
     Args:
         link: The link.
-        unread: Receives the link's name by each of the other elements.
+        unread: Receives the link's name by the tag of each of the other elements.
 
     Raises:
         RobotError: A value is missing, no number, or out of range.
@@ -34,7 +34,7 @@ def read_material(link: Element, unread: dict[str, list[str]]) -> dict[str, floa
     for child in () if contact is None else contact.children:
         name = _PROPERTIES.get(child.tag)
         if name is None:
-            names = unread.setdefault(f"<{child.tag[:60]}> of <contact>", [])
+            names = unread.setdefault(child.tag[:60], [])
             names.append(link.attributes.get("name", ""))
             continue
         child.text("value")

@@ -31,6 +31,8 @@ from voxshell.robots.urdf.names import find_unknown, refuse_macros
 from voxshell.robots.xml_elements import Dialect, read_elements
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from voxshell.robots.xml_elements import Element
@@ -92,7 +94,7 @@ def _describe(path: str, element: Element) -> RobotDescription:
                 f"{links[link.name].where.rpartition(':')[2]}; rename one"
             )
         links[link.name] = link
-    robot.left_out.extend(f"{what} ({shorten_names(it)})" for what, it in unread.items())
+    robot.left_out.extend(_list_unread(unread))
     joints: dict[str, JointDescription] = {}
     for each in element.all("joint"):
         joint = _describe_joint(robot, each, links)
@@ -149,6 +151,15 @@ def _describe(path: str, element: Element) -> RobotDescription:
         left_out=robot.left_out,
         unknown=find_unknown(element),
     )
+
+
+def _list_unread(unread: dict[str, list[str]]) -> Iterator[str]:
+    """Yield elements of contacts with the names of the links that have them: "<damping> of <contact> ('a')"."""
+    tags_of: dict[tuple[str, ...], list[str]] = {}
+    for tag, links in unread.items():
+        tags_of.setdefault(tuple(links), []).append(f"<{tag}>")
+    for links, tags in tags_of.items():
+        yield f"{', '.join(tags)} of <contact> ({shorten_names(links)})"
 
 
 def _refuse_without_links(robot: RobotDescription, element: Element) -> NoReturn:

@@ -134,7 +134,7 @@ def test_wrong_bodies_are_refused_with_file_and_line(load, message):
 
 def test_a_moving_body_of_nothing_gets_a_little_mass(load):
     with pytest.warns(
-        vx.RobotWarning, match=r"links without a mass and a shape got 0.1 kg \('a'\)"
+        vx.RobotWarning, match=r"1 link without a mass and a shape got 0.1 kg \('a'\)"
     ):
         load("<body name='a'><joint/></body>")
 

@@ -30,7 +30,7 @@ def test_an_inertial_comes_before_geoms(load):
     assert load(INERTIAL + BALL).mass == 2.0
     assert load(BALL).mass == 5.0
     assert load(INERTIAL + BALL, "inertiafromgeom='true'").mass == 5.0
-    with pytest.warns(vx.RobotWarning, match="links without a mass"):
+    with pytest.warns(vx.RobotWarning, match="1 link without a mass"):
         load(BALL, "inertiafromgeom='false'")
 
 

@@ -68,8 +68,8 @@ def test_what_is_not_read_of_a_contact_is_named(load):
     stated = contact(lateral_friction=1, stiffness=30000, damping=1000, contact_cfm=0)
     _, [said] = load(stated, contact(stiffness=1))
     assert said.endswith(
-        "contains what is not simulated: <stiffness> of <contact> ('a', 'b'); <damping> of <contact> ('a'); "
-        "<contact_cfm> of <contact> ('a')"
+        "contains what is not simulated: <stiffness> of <contact> ('a', 'b'); "
+        "<damping>, <contact_cfm> of <contact> ('a')"
     )
 
 

@@ -489,7 +489,9 @@ def test_a_follower_without_an_effort_follows(write):
         joint("y", "continuous", "base", "b", '<mimic joint="x"/>'),
     )  # fmt: skip
     world = vx.World(gravity=(0, 0, 0))
-    with pytest.warns(vx.RobotWarning, match=r"mimic others and state no effort.*\('y'\)"):
+    with pytest.warns(
+        vx.RobotWarning, match=r"1 joint with <mimic> and without an effort got .*\('y'\)"
+    ):
         robot = vx.load_urdf(world, path)
     robot.set_targets({"x": 0.5}, max_force=10.0)
     world.step(200)
