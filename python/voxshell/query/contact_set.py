@@ -213,10 +213,10 @@ class Contacts:
                 "normal there": f"({normal}), from b to a",
             }
         if not self.exact:
-            facts["missing"] = (
-                f"perhaps some: the budget ended the search; none is deeper than "
-                f"{in_millimeters(self.depth_bound, 4)} mm"
-            )
+            facts["missing"] = "perhaps some: the budget ended the search"
+            if np.isfinite(self.depth_bound):
+                bound = in_millimeters(self.depth_bound, 4)
+                facts["missing"] += f"; none is deeper than {bound} mm"
         return make_table("Contacts", facts)
 
     def _count_by_shell(self) -> str:

@@ -198,7 +198,7 @@ class Recording:
         moving = sum(not body.fixed for body in self.bodies)
         facts = {
             "time": f"{self.duration:.6g} s, {self.frame_count:,} frames, {1e3 * self.time_step:.4g} ms apart",
-            "bodies": f"{len(self.bodies):,}, of which {moving:,} move",
+            "bodies": f"{len(self.bodies):,}, moving: {moving:,}",
             "contacts": f"{len(self.contacts.points):,}, at most {int(self.contacts.counts.max()):,} at a time",
         }
         page = self._make_small_page()

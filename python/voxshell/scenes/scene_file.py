@@ -82,6 +82,10 @@ def read_scene(path: Path) -> Scene:
         raise SettingsError(
             f"{path} is not a scene file, which is TOML text; {_for_meshes(path)}"
         ) from None
+    except SettingsError as error:  # it is too large
+        if path.suffix.lower() == ".toml":
+            raise
+        raise SettingsError(f"{error}; {_for_meshes(path)}") from None
     try:
         tables = parse_toml(text)
     except SettingsError as error:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +24,7 @@ from voxshell.viewer.shading import split_creases
 from voxshell.viewer.stage import VIEW_ASPECT, find_paths, find_slabs, place_camera, plan_stage
 from voxshell.viewer.terminal_progress import on_terminal
 from voxshell.viewer.timeline import plan_timeline
-from voxshell.viewer.video_bodies import BodyView
+from voxshell.viewer.video_bodies import BodyView, DrawnBody
 from voxshell.viewer.video_encoder import as_pause, open_writer, warn_of_rate
 from voxshell.viewer.video_ground import BACKGROUND, Ground, add_light, sample_surface
 
@@ -182,23 +181,6 @@ def _drawing(pyvista: Any, size: tuple[int, int]) -> Iterator[Any]:
         core.vtkLogger.SetStderrVerbosity(verbosity)
 
 
-@dataclass(frozen=True, eq=False)
-class _Drawn:
-    """A body on a plotter.
-
-    Args:
-        actor: Its actor.
-        body: The body.
-        points: (k, 3) points that lie evenly on its surface, meters, body frame.
-        bounds: (2, 3) its corners, meters, body frame.
-    """
-
-    actor: Any
-    body: BodyTrack
-    points: NDArray[np.float64]
-    bounds: NDArray[np.float64]
-
-
 class _Film:
     """A recording on a plotter.
 
@@ -233,7 +215,7 @@ class _Film:
         lane = Lane("", recording)
         stage = plan_stage([lane], up=up)
         self._stage, self._up = stage, up
-        self._drawn: list[_Drawn] = []
+        self._drawn: list[DrawnBody] = []
         self._ground: Ground | None = None
         plotter.set_background(BACKGROUND)
         add_light(pyvista, plotter, up=up)
@@ -246,7 +228,7 @@ class _Film:
             if slab is None:
                 points = sample_surface(body.vertices, body.faces)
                 bounds = np.stack([body.vertices.min(axis=0), body.vertices.max(axis=0)])
-                self._drawn.append(_Drawn(self._add_body(body, color), body, points, bounds))
+                self._drawn.append(DrawnBody(self._add_body(body, color), body, points, bounds))
             elif (slab.low[level] <= stage.low[level]).all() and (
                 slab.high[level] >= stage.high[level]
             ).all():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +14,31 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from voxshell.recording import BodyTrack
+
 _REACH = 0.3  # of ambient occlusion, in diagonals of a typical body
 _BIAS = 0.01  # likewise: parts whose depths differ by less do not occlude each other
 _SAMPLES = 16
 _GRAIN = 12
 """Pixels in whose multiples the part begins and ends. The noise of ambient occlusion repeats every 4
 pixels, and would flicker if it moved with the part."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnBody:
+    """A body on a plotter.
+
+    Args:
+        actor: Its actor.
+        body: The body.
+        points: (k, 3) points that lie evenly on its surface, meters, body frame.
+        bounds: (2, 3) its corners, meters, body frame.
+    """
+
+    actor: Any
+    body: BodyTrack
+    points: NDArray[np.float64]
+    bounds: NDArray[np.float64]
 
 
 class BodyView:

@@ -83,12 +83,18 @@ def test_contacts_say_in_a_notebook_if_some_may_be_missing(ball: vx.Model):
     assert cells_of(contacts._repr_html_())["missing"] == (
         f"perhaps some: the budget ended the search; none is deeper than {depth}"
     )
+    box = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)))
+    unknown = vx.contacts(box, box, budget=1)
+    assert unknown.depth_bound == np.inf
+    facts = cells_of(unknown._repr_html_())
+    assert facts["missing"] == "perhaps some: the budget ended the search"
 
 
 def test_a_recording_shows_its_facts_and_its_replay():
     page = make_recording()._repr_html_()
     assert cells_of(page)["time"] == "1.95 s, 40 frames, 50 ms apart"
     assert cells_of(page)["contacts"] == "40, at most 1 at a time"
+    assert cells_of(page)["bodies"] == "1, moving: 1"
     assert '<iframe sandbox="allow-scripts" srcdoc="' in page
     assert len(page) < 3_000_000
 

@@ -140,3 +140,15 @@ def test_a_mesh_is_answered_with_the_lines_of_a_scene_that_run(
     world = build_world(scene, lambda *_: None)
     world.step(200)
     assert world.bodies[0].position[2] == pytest.approx(0.05, abs=0.001)
+
+
+def test_a_mesh_that_is_too_large_for_a_scene_is_answered_with_the_lines_of_one(tmp_path: Path):
+    mesh = tmp_path / "large.obj"
+    mesh.write_text("v 0 0 0\n" * 300_000)
+    with pytest.raises(
+        vx.SettingsError, match=r"at most 2000000 are read; if it is a mesh, .*write"
+    ):
+        read_scene(mesh)
+    scene = mesh.rename(tmp_path / "large.toml")
+    with pytest.raises(vx.SettingsError, match=r"at most 2000000 are read$"):
+        read_scene(scene)
