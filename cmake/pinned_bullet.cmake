@@ -89,12 +89,16 @@ foreach(precision IN LISTS VOXSHELL_PINNED_BULLET)
   target_compile_definitions(${target} PUBLIC BT_THREADSAFE=1
                                               $<$<STREQUAL:${precision},float64>:BT_USE_DOUBLE_PRECISION>)
   target_compile_options(${target} PRIVATE -w)
+  # Twenty sources at a time: a source takes longest to compile for the headers that the others include as well.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 20)
   target_link_libraries(${target} PUBLIC Threads::Threads)
   if(precision STREQUAL "float64")
     # Functions of the C library that give other last bits on other processors, replaced in all that links this target.
     set(replaced sin cos sincos atan2 acos asin pow hypot)
     list(TRANSFORM replaced PREPEND "LINKER:--wrap=")
-    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/bullet/src/portable_functions.cpp")
+    set(portable_functions "${PROJECT_SOURCE_DIR}/bullet/src/portable_functions.cpp")
+    target_sources(${target} PRIVATE "${portable_functions}")
+    set_source_files_properties("${portable_functions}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/core/src")
     target_link_libraries(${target} PUBLIC voxshell::core)
     target_link_options(${target} INTERFACE ${replaced})

@@ -40,7 +40,7 @@ void operator delete(void* memory, std::size_t) noexcept { operator delete(memor
 void operator delete[](void* memory) noexcept { operator delete(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { operator delete(memory); }
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::allocation_test {
 namespace {
 
 using namespace test_support;
@@ -136,4 +136,4 @@ TEST(AllocationOfShapes, LeavesNothingOfARoundModelToTheStepInWhichItMeetsAnothe
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::allocation_test

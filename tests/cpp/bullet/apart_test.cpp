@@ -13,7 +13,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::apart_test {
 namespace {
 
 using namespace test_support;
@@ -91,4 +91,4 @@ TEST(Apart, AreSlabsSideBySideThatAreTurnedInTheWorld) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::apart_test

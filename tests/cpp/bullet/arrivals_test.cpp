@@ -11,7 +11,7 @@
 #include "support/world.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::arrivals_test {
 namespace {
 
 using namespace test_support;
@@ -90,4 +90,4 @@ TEST(Arrivals, LookFromEitherSide) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::arrivals_test

@@ -8,7 +8,7 @@
 #include "voxshell/bullet/checked_motion.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::blows_test {
 namespace {
 
 using namespace test_support;
@@ -91,4 +91,4 @@ TEST(Blows, AddUpInWhatContactsReport) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::blows_test

@@ -10,7 +10,7 @@
 #include "solver_constants.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::braced_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -127,4 +127,4 @@ TEST(BracedContacts, CountMotors) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::braced_contacts_test

@@ -10,7 +10,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::callbacks_test {
 namespace {
 
 using namespace test_support;
@@ -298,4 +298,4 @@ TEST(Callbacks, ThatThrowLeaveNothingToTheNextStep) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::callbacks_test

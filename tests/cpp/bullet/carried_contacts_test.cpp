@@ -9,7 +9,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::carried_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -99,4 +99,4 @@ TEST(CarriedContacts, LetNoSlidingBoxSink) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::carried_contacts_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::carrying_places_test {
 namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
@@ -74,4 +74,4 @@ TEST(CarryingPlaces, NothingIsCarriedByNoPlaces) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::carrying_places_test

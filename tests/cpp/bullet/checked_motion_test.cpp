@@ -10,7 +10,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::checked_motion_test {
 namespace {
 
 using namespace test_support;
@@ -92,4 +92,4 @@ TEST(CheckedMotion, KeepsForcesAndTheirFactors) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::checked_motion_test

@@ -8,7 +8,7 @@
 
 #include "support/touching_pair.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::collision_test {
 namespace {
 
 using namespace test_support;
@@ -227,4 +227,4 @@ TEST(CollisionConfiguration, RefusesAPoolThatAnAlgorithmWouldOverrun) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::collision_test

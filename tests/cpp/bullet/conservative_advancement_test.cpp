@@ -9,7 +9,7 @@
 #include "support/random.h"
 #include "voxshell/plane_field.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::conservative_advancement_test {
 namespace {
 
 using namespace test_support;
@@ -91,4 +91,4 @@ TEST(ConservativeAdvancement, NeverPassesTheSurfaceOfAModel) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::conservative_advancement_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::contact_list_test {
 namespace {
 
 std::vector<Contact> make_contacts(std::size_t count) {
@@ -63,4 +63,4 @@ TEST(ContactList, KeepsWhatItIsToldInOrder) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::contact_list_test

@@ -16,7 +16,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::contact_rule_test {
 namespace {
 
 using namespace test_support;
@@ -288,4 +288,4 @@ TEST(ContactRule, OwesTheEnergyOfAReboundThatEndsAtTheSurface) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::contact_rule_test

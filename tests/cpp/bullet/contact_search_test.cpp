@@ -18,7 +18,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::contact_search_test {
 namespace {
 
 using namespace test_support;
@@ -125,4 +125,4 @@ TEST(ContactSearch, GuardsBodiesThatFallTogetherOnceASegment) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::contact_search_test

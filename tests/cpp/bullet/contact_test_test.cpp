@@ -5,7 +5,7 @@
 
 #include "support/touching_pair.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::contact_test_test {
 namespace {
 
 using namespace test_support;
@@ -148,4 +148,4 @@ TEST(ContactTest, WorksOnObjectsThatAreInNoWorld) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::contact_test_test

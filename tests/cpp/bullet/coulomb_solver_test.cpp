@@ -13,7 +13,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::coulomb_solver_test {
 namespace {
 
 using namespace test_support;
@@ -299,4 +299,4 @@ TEST(CoulombSolver, StepsTheSameWayOnEveryRun) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::coulomb_solver_test

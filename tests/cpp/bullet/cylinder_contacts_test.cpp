@@ -15,7 +15,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::cylinder_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -172,4 +172,4 @@ TEST(CylinderContacts, OfAPegThatFitsAreAllAround) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::cylinder_contacts_test

@@ -13,7 +13,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::debug_draw_test {
 namespace {
 
 using namespace test_support;
@@ -179,4 +179,4 @@ TEST(DebugDraw, TheWorldsOwnShowsTheMeshAndItsContacts) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::debug_draw_test

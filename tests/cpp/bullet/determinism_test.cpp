@@ -26,7 +26,7 @@
 #include "voxshell/bullet/seamless_world.h"
 #include "voxshell/bullet/sleepy_world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::determinism_test {
 namespace {
 
 using namespace test_support;
@@ -191,4 +191,4 @@ TEST(Determinism, TheHashSeesThePoses) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::determinism_test

@@ -3,7 +3,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::enclosed_test {
 namespace {
 
 using namespace test_support;
@@ -81,4 +81,4 @@ TEST(CoarseGround, HoldsASmallFineBodyThatFitsBetweenItsPoints) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::enclosed_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::face_field_test {
 namespace {
 
 constexpr double kWithin = 1e-6;
@@ -97,4 +97,4 @@ TEST(Turn, TellsWhereNothingIsRegained) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::face_field_test

@@ -9,7 +9,7 @@
 #include "support/brick.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::facing_normals_test {
 namespace {
 
 using namespace test_support;
@@ -68,4 +68,4 @@ TEST(FacingNormals, WithoutAReachStayAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::facing_normals_test

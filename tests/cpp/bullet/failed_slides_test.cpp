@@ -7,7 +7,7 @@
 
 #include "contact_constants.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::failed_slides_test {
 namespace {
 
 constexpr double kRadius = 0.05;
@@ -71,4 +71,4 @@ TEST(FailedSlides, CountMotionFromWhereTheyFailed) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::failed_slides_test

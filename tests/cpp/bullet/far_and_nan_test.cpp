@@ -6,7 +6,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::far_and_nan_test {
 namespace {
 
 using namespace test_support;
@@ -117,4 +117,4 @@ TEST(FarAndNan, ABodyThatBecomesNanIsPutOutOfTheSimulation) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::far_and_nan_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::find_zero_test {
 namespace {
 
 constexpr double kFirstStep = 0.01;
@@ -47,4 +47,4 @@ TEST(FindZero, ClosesInOnAJump) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::find_zero_test

@@ -11,7 +11,7 @@
 #include "support/world.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::flat_elements_test {
 namespace {
 
 using namespace test_support;
@@ -143,4 +143,4 @@ TEST(FlatElements, NearTheirOwnEdgeKeepTheFieldsNormal) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::flat_elements_test

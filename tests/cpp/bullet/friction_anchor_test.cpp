@@ -7,7 +7,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::friction_anchor_test {
 namespace {
 
 using namespace test_support;
@@ -63,4 +63,4 @@ TEST(FrictionAnchor, LetsGoOfBodiesThatHaveSlid) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::friction_anchor_test

@@ -5,7 +5,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::friction_test {
 namespace {
 
 using namespace test_support;
@@ -59,4 +59,4 @@ TEST_P(Slope, ATileSlidesAboveTheCoulombAngle) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::friction_test

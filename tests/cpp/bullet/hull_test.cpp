@@ -18,7 +18,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::hull_test {
 namespace {
 
 using namespace test_support;
@@ -352,4 +352,4 @@ TEST(Hull, ReboundsAsRestitutionSays) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::hull_test

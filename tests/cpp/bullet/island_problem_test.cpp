@@ -15,7 +15,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::island_problem_test {
 namespace {
 
 using namespace test_support;
@@ -343,4 +343,4 @@ TEST(SolverState, BringsBackVelocitiesAfterImpulsesOfAnySize) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::island_problem_test

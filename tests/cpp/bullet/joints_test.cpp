@@ -11,7 +11,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::joints_test {
 namespace {
 
 using namespace test_support;
@@ -236,4 +236,4 @@ TEST(Islands, SleepAloneAndWakeTogether) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::joints_test

@@ -16,7 +16,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::kept_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -276,4 +276,4 @@ TEST(KeptContacts, LetAFloorThatRisesSlowlyLiftABody) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::kept_contacts_test

@@ -10,7 +10,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::kinematic_motion_world_test {
 namespace {
 
 using namespace test_support;
@@ -159,4 +159,4 @@ TEST(KinematicMotion, ForgetsABodyThatIsRemoved) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::kinematic_motion_world_test

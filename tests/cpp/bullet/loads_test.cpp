@@ -6,7 +6,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::loads_test {
 namespace {
 
 using namespace test_support;
@@ -86,4 +86,4 @@ TEST(SurfaceVelocity, TakesACubeAlongAfterVOverMuG) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::loads_test

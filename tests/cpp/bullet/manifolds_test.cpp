@@ -13,7 +13,7 @@
 #include "support/world.h"
 #include "voxshell/manifold.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::manifolds_test {
 namespace {
 
 using namespace test_support;
@@ -201,4 +201,4 @@ TEST_P(Release, WhenTheWorldEndsInContact) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::manifolds_test

@@ -18,7 +18,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::model_algorithm_test {
 namespace {
 
 using namespace test_support;
@@ -304,4 +304,4 @@ TEST(ModelAlgorithm, LeavesOutPointsTooHighAboveTheNearestToCarry) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::model_algorithm_test

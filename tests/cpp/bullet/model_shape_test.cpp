@@ -11,7 +11,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::model_shape_test {
 namespace {
 
 using namespace test_support;
@@ -214,4 +214,4 @@ TEST(ModelShape, ABoxBesideItTouchesNoTriangle) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::model_shape_test

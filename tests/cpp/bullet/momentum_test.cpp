@@ -4,7 +4,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::momentum_test {
 namespace {
 
 using namespace test_support;
@@ -80,4 +80,4 @@ TEST(Momentum, TwoEqualBallsExchangeTheirVelocities) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::momentum_test

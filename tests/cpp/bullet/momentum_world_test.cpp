@@ -9,7 +9,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::momentum_world_test {
 namespace {
 
 using namespace test_support;
@@ -164,4 +164,4 @@ TEST(MomentumWorld, AWheelOutOfBalanceKeepsItsSpin) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::momentum_world_test

@@ -8,7 +8,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::motion_test {
 namespace {
 
 using namespace test_support;
@@ -88,4 +88,4 @@ TEST(Path, IsStraightWhereNothingTurns) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::motion_test

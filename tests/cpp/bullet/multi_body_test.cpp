@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::multi_body_test {
 namespace {
 
 using namespace test_support;
@@ -155,4 +155,4 @@ TEST_P(MultiBody, SleepsAndWakesWhenPushed) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::multi_body_test

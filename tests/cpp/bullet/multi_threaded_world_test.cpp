@@ -13,7 +13,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::multi_threaded_world_test {
 namespace {
 
 using namespace test_support;
@@ -88,4 +88,4 @@ TEST_P(MultiThreadedWorld, PilesUpAsOneOfOneThread) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::multi_threaded_world_test

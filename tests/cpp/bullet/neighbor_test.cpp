@@ -6,7 +6,7 @@
 
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::neighbor_test {
 namespace {
 
 using namespace test_support;
@@ -42,4 +42,4 @@ TEST(Neighbor, OfAHullHasNoField) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::neighbor_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::of_this_thread_test {
 namespace {
 
 struct Counted {
@@ -30,4 +30,4 @@ TEST(OfThisThread, EndsWithItsThread) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::of_this_thread_test

@@ -14,7 +14,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::other_shapes_test {
 namespace {
 
 using namespace test_support;
@@ -152,4 +152,4 @@ TEST(OtherConcave, GImpactInTheSameWorldCollidesAndLeavesModelPairsAlone) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::other_shapes_test

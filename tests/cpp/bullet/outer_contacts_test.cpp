@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::outer_contacts_test {
 namespace {
 
 constexpr double kLeast = 1e-6;       // meters
@@ -198,4 +198,4 @@ TEST(OuterContacts, AreAllWhereOneWithinIsDeeper) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::outer_contacts_test

@@ -9,7 +9,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::pair_step_test {
 namespace {
 
 using namespace test_support;
@@ -90,4 +90,4 @@ TEST(PairStep, KnowsWhereTheBodiesWillBe) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::pair_step_test

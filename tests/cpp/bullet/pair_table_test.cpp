@@ -34,7 +34,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::pair_table_test {
 namespace {
 
 using namespace test_support;
@@ -432,4 +432,4 @@ TEST(Kinematic, ModelsPushOthers) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::pair_table_test

@@ -17,7 +17,7 @@
 #include "voxshell/bullet/model_shape.h"
 #include "voxshell/bullet/seamless_world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::parallel_dispatcher_test {
 namespace {
 
 using namespace test_support;
@@ -83,4 +83,4 @@ TEST(ParallelDispatcher, TakesTheSameStepsOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::parallel_dispatcher_test

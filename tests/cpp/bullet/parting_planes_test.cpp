@@ -6,7 +6,7 @@
 
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::parting_planes_test {
 namespace {
 
 using namespace test_support;
@@ -64,4 +64,4 @@ TEST_F(OnFlushBoxes, OneOfAPlaneOfMoreContactsStays) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::parting_planes_test

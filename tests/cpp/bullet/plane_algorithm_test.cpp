@@ -7,7 +7,7 @@
 
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::plane_algorithm_test {
 namespace {
 
 using namespace test_support;
@@ -88,4 +88,4 @@ TEST(PlaneAlgorithm, LetsRoundSidesRoll) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::plane_algorithm_test

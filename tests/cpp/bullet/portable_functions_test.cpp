@@ -10,7 +10,7 @@
 #ifdef VOXSHELL_PORTABLE_FUNCTIONS
 
 // Bullet's and the adapter's calls end in the same place as these.
-namespace voxshell::bullet {
+namespace voxshell::bullet::portable_functions_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -102,6 +102,6 @@ TEST_F(PortableFunctions, HaveTheSameBitsOnEveryProcessor) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::portable_functions_test
 
 #endif

@@ -18,7 +18,7 @@
 #include "support/random.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::posed_pair_test {
 namespace {
 
 using namespace test_support;
@@ -296,4 +296,4 @@ TEST(PosedPair, TakesTheModelWithFewerPointsForTheShellUntilItIsEnclosed) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::posed_pair_test

@@ -7,7 +7,7 @@
 #include "support/random.h"
 #include "voxshell/bullet/model_shape.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::principal_frame_test {
 namespace {
 
 using voxshell::test_support::make_blob;
@@ -90,4 +90,4 @@ TEST(PrincipalFrame, OfTensorsByHand) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::principal_frame_test

@@ -10,7 +10,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::ray_test {
 namespace {
 
 using namespace test_support;
@@ -206,4 +206,4 @@ TEST(RayTriangles, AreThoseAlongTheRayAndNotAllOfItsBox) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::ray_test

@@ -7,7 +7,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::rebound_rule_test {
 namespace {
 
 constexpr double kStep = 1.0 / 100.0;
@@ -187,4 +187,4 @@ TEST(ReboundRule, AFlatLandingAtTheEndOfTheStepIsOne) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::rebound_rule_test

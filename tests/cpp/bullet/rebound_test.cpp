@@ -6,7 +6,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::rebound_test {
 namespace {
 
 using namespace test_support;
@@ -82,4 +82,4 @@ TEST_P(Rebound, NeverRisesAboveTheStart) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::rebound_test

@@ -8,7 +8,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::rest_test {
 namespace {
 
 using namespace test_support;
@@ -208,4 +208,4 @@ TEST(Pile, OfThreeBallsStands) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::rest_test

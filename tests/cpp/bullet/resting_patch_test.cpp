@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::resting_patch_test {
 namespace {
 
 constexpr double kBand = 1e-4;
@@ -90,4 +90,4 @@ TEST(RestingPatch, ForgetsPointsThatCarryNothingAndBodiesThatMove) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::resting_patch_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::rolling_lever_test {
 namespace {
 
 /// Of a still body of 0.1 m in radius: levers shorter than 1 cm count.
@@ -57,4 +57,4 @@ TEST(RollingLever, IsOfStillBodiesAlone) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::rolling_lever_test

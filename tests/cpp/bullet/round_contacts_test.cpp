@@ -11,7 +11,7 @@
 #include "voxshell/contacts.h"
 #include "voxshell/plane_field.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::round_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -165,4 +165,4 @@ TEST(RoundContacts, OfABodyThatTurnsFastStay) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::round_contacts_test

@@ -8,7 +8,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/convert.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::round_side_test {
 namespace {
 
 using namespace test_support;
@@ -78,4 +78,4 @@ TEST(RoundSide, ABoxHasNoRim) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::round_side_test

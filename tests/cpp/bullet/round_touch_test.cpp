@@ -11,7 +11,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::round_touch_test {
 namespace {
 
 using namespace test_support;
@@ -79,4 +79,4 @@ TEST(RoundTouch, TellsCurvedPartsFromFlatOnes) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::round_touch_test

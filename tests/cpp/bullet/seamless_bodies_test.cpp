@@ -9,7 +9,7 @@
 #include "contact_constants.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::seamless_bodies_test {
 namespace {
 
 using namespace test_support;
@@ -131,4 +131,4 @@ TEST(SeamlessBodies, AreForgottenWhenTheyTouchNothing) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::seamless_bodies_test

@@ -13,7 +13,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/seamless_world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::seams_test {
 namespace {
 
 using namespace test_support;
@@ -245,4 +245,4 @@ TEST(Seams, FlushBricksCarryAnotherByTheirCorners) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::seams_test

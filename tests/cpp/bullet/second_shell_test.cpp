@@ -14,7 +14,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::second_shell_test {
 namespace {
 
 using namespace test_support;
@@ -163,4 +163,4 @@ TEST(SecondShell, HasIdsOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::second_shell_test

@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::shape_features_test {
 namespace {
 
 using namespace test_support;
@@ -171,4 +171,4 @@ TEST(Features, ArePushedTowardTheMiddleOfTheirShape) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::shape_features_test

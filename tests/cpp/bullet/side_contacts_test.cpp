@@ -5,7 +5,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::side_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -49,4 +49,4 @@ TEST(SideContacts, OfAGroundInFrontOfABoxAreBeside) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::side_contacts_test

@@ -4,7 +4,7 @@
 
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::sleepy_world_test {
 namespace {
 
 using namespace test_support;
@@ -95,4 +95,4 @@ TEST(SleepyWorld, ForgetsRemovedBodies) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::sleepy_world_test

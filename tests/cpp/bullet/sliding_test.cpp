@@ -8,7 +8,7 @@
 #include "support/models.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::sliding_test {
 namespace {
 
 using namespace test_support;
@@ -136,4 +136,4 @@ TEST(Sliding, IsNotWhatABallDoesThatDropsStraight) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::sliding_test

@@ -10,7 +10,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::sliding_touch_test {
 namespace {
 
 using namespace test_support;
@@ -86,4 +86,4 @@ TEST(SlidingTouch, IsForRoundBodies) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::sliding_touch_test

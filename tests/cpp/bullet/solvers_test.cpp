@@ -15,7 +15,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::solvers_test {
 namespace {
 
 using namespace test_support;
@@ -162,4 +162,4 @@ TEST_P(Solvers, BringADroppedModelToRest) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::solvers_test

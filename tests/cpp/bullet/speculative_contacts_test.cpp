@@ -10,7 +10,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::speculative_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -116,4 +116,4 @@ TEST(SpeculativeContacts, AreCarriedBackToTheStart) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::speculative_contacts_test

@@ -13,7 +13,7 @@
 #include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/kinematic_motion_world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::squeezed_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -269,4 +269,4 @@ TEST(SqueezedContacts, KinematicFingersHoldARow) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::squeezed_contacts_test

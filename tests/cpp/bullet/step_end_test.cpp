@@ -12,7 +12,7 @@
 #include "voxshell/bullet/checked_motion.h"
 #include "voxshell/bullet/coulomb_solver.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::step_end_test {
 namespace {
 
 using namespace test_support;
@@ -134,4 +134,4 @@ TEST(StepEnd, LeavesRoundBodiesAndThoseThatRebound) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::step_end_test

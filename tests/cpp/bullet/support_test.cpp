@@ -10,7 +10,7 @@
 #include "voxshell/bullet/coulomb_solver.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::support_test {
 namespace {
 
 using namespace test_support;
@@ -123,4 +123,4 @@ TEST(PairStep, ABlowDoesNotCarry) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::support_test

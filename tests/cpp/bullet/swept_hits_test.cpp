@@ -10,7 +10,7 @@
 #include "support/models.h"
 #include "support/two_bodies.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::swept_hits_test {
 namespace {
 
 using namespace test_support;
@@ -65,4 +65,4 @@ TEST(SweptHits, AreAscendingAndOnce) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::swept_hits_test

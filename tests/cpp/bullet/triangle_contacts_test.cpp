@@ -15,7 +15,7 @@
 #include "support/random.h"
 #include "voxshell/bullet/convert.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::triangle_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -208,4 +208,4 @@ TEST(TriangleContacts, SampleByTheVoxelOrThirtyTwoTimesASide) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::triangle_contacts_test

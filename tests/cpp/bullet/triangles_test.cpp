@@ -20,7 +20,7 @@
 #include "support/world.h"
 #include "triangle_contacts.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::triangles_test {
 namespace {
 
 using namespace test_support;
@@ -238,4 +238,4 @@ TEST(Triangles, StopABodyThatTheyAreMuchThinnerThanAStepOf) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::triangles_test

@@ -9,7 +9,7 @@
 #include "support/world.h"
 #include "voxshell/bullet/force_aware_world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::tunneling_test {
 namespace {
 
 using namespace test_support;
@@ -185,4 +185,4 @@ TEST(Throws, PenetrateFirstWithoutCcd) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::tunneling_test

@@ -15,7 +15,7 @@
 #include "support/two_bodies.h"
 #include "support/world.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::turning_contacts_test {
 namespace {
 
 using namespace test_support;
@@ -166,4 +166,4 @@ TEST(TurningContacts, LeaveBlowsOfElasticBodiesToRebound) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::turning_contacts_test

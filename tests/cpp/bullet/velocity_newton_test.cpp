@@ -15,7 +15,7 @@
 #include "support/random.h"
 #include "voxshell/vector.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::velocity_newton_test {
 namespace {
 
 using voxshell::test_support::Random;
@@ -413,4 +413,4 @@ TEST(VelocityNewton, NeedsNoStepFromImpulsesThatSolve) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::velocity_newton_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell {
+namespace voxshell::checksum_test {
 namespace {
 
 /// 0, 1, 2, ... 255, 0, 1, ...
@@ -56,4 +56,4 @@ TEST(Checksum, ChangesWithEveryBit) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::checksum_test

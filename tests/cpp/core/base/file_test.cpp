@@ -19,7 +19,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace voxshell {
+namespace voxshell::file_test {
 namespace {
 
 using test_support::TemporaryFolder;
@@ -218,4 +218,4 @@ TEST_F(File, CannotBeReadWhereItIsNoRegularFile) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::file_test

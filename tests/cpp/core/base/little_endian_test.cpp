@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell {
+namespace voxshell::little_endian_test {
 namespace {
 
 std::vector<std::byte> make_bytes(std::initializer_list<int> values) {
@@ -35,4 +35,4 @@ TEST(LittleEndian, WordsAreReversedEachByItself) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::little_endian_test

@@ -9,7 +9,7 @@
 
 #include "voxshell/parallel.h"
 
-namespace voxshell {
+namespace voxshell::ordinary_floats_test {
 namespace {
 
 /// Read anew at each use: not worked out by the compiler.
@@ -98,4 +98,4 @@ TEST(OrdinaryFloats, HelperThreadsHaveThem) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::ordinary_floats_test

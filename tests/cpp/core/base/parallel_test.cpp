@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell {
+namespace voxshell::parallel_test {
 namespace {
 
 TEST(ParallelFor, DoesEveryTaskOnce) {
@@ -106,4 +106,4 @@ TEST(ParallelFor, BeginsEachHelperBeforeItsTasks) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::parallel_test

@@ -8,7 +8,7 @@
 
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::portable_math_test {
 namespace {
 
 using namespace test_support;
@@ -60,4 +60,4 @@ TEST(PortableMath, SinesAndCosinesAreThoseOfTheLibrary) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::portable_math_test

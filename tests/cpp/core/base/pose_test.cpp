@@ -9,7 +9,7 @@
 
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::pose_test {
 namespace {
 
 using test_support::Random;
@@ -170,4 +170,4 @@ TEST(Pose, RefusesAnotherLastRowAsOfATransposedMatrix) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::pose_test

@@ -7,7 +7,7 @@
 
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::rigid_motion_test {
 namespace {
 
 using namespace test_support;
@@ -69,4 +69,4 @@ TEST(RigidMotion, TurnsMoreThanOnce) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::rigid_motion_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell {
+namespace voxshell::stage_test {
 namespace {
 
 TEST(Stage, ReportsTheFirstFractionAndTheEndButNotEveryFractionBetween) {
@@ -61,4 +61,4 @@ TEST(Stage, RunsWithoutAnybodyWhoWatches) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::stage_test

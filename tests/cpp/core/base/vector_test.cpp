@@ -8,7 +8,7 @@
 #include "support/random.h"
 #include "voxshell/bounds.h"
 
-namespace voxshell {
+namespace voxshell::vector_test {
 namespace {
 
 using test_support::Random;
@@ -91,4 +91,4 @@ TEST(Bounds, SquaredDistanceIsZeroInsideAndToTheNearestFaceEdgeOrCornerOutside) 
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::vector_test

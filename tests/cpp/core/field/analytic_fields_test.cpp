@@ -13,7 +13,7 @@
 #include "support/random.h"
 #include "voxshell/field.h"
 
-namespace voxshell {
+namespace voxshell::analytic_fields_test {
 namespace {
 
 using test_support::Random;
@@ -365,4 +365,4 @@ TEST(AnalyticFields, AnswerFarAwayWithoutTrouble) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::analytic_fields_test

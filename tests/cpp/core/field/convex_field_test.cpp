@@ -11,7 +11,7 @@
 #include "support/random.h"
 #include "voxshell/box_field.h"
 
-namespace voxshell {
+namespace voxshell::convex_field_test {
 namespace {
 
 using namespace test_support;
@@ -172,4 +172,4 @@ TEST(ConvexField, RefusesMoreFacesThanItsLimit) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::convex_field_test

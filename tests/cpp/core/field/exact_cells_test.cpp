@@ -21,7 +21,7 @@
 #include "voxshell/contacts_flat.h"
 #include "voxshell/grid_field.h"
 
-namespace voxshell {
+namespace voxshell::exact_cells_test {
 namespace {
 
 using namespace test_support;
@@ -362,4 +362,4 @@ TEST(ExactCells, OfFilesMustBeSound) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::exact_cells_test

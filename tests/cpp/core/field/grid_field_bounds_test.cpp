@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "voxshell/grid_field.h"
 
-namespace voxshell {
+namespace voxshell::grid_field_bounds_test {
 namespace {
 
 using namespace test_support;
@@ -175,4 +175,4 @@ TEST(GridFieldBounds, ReachHoldsTheGrid) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::grid_field_bounds_test

@@ -16,7 +16,7 @@
 #include "support/random.h"
 #include "voxshell/grid_field.h"
 
-namespace voxshell {
+namespace voxshell::grid_field_build_test {
 namespace {
 
 using namespace test_support;
@@ -239,4 +239,4 @@ TEST(GridFieldBuild, ReportsProgressUpToTheEnd) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::grid_field_build_test

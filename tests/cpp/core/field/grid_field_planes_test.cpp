@@ -10,7 +10,7 @@
 #include "support/random.h"
 #include "voxshell/grid_field.h"
 
-namespace voxshell {
+namespace voxshell::grid_field_planes_test {
 namespace {
 
 using namespace test_support;
@@ -85,4 +85,4 @@ TEST(GridFieldPlanes, ACavityUnderAFaceIsSeenThroughNoPlane) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::grid_field_planes_test

@@ -16,7 +16,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::grid_field_test {
 namespace {
 
 using namespace test_support;
@@ -439,4 +439,4 @@ TEST(GridField, EightAtOnceAreAsOneByOne) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::grid_field_test

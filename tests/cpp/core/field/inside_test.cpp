@@ -12,7 +12,7 @@
 #include "support/brute_force.h"
 #include "support/meshes.h"
 
-namespace voxshell {
+namespace voxshell::inside_test {
 namespace {
 
 using namespace test_support;
@@ -91,4 +91,4 @@ TEST_F(InsideByWindingNumbersTest, DoesNotComputeNumbersOfKnownBricksAgain) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::inside_test

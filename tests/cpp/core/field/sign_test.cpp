@@ -15,7 +15,7 @@
 #include "support/random.h"
 #include "voxshell/grid_field.h"
 
-namespace voxshell {
+namespace voxshell::sign_test {
 namespace {
 
 using namespace test_support;
@@ -289,4 +289,4 @@ TEST(Sign, OpenMeshesAreRefusedWhereTheyMustBeClosed) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::sign_test

@@ -11,7 +11,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::angle_normals_test {
 namespace {
 
 using namespace test_support;
@@ -61,4 +61,4 @@ TEST(AngleNormals, GivePlacesTogetherTheBitsOfEachAlone) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::angle_normals_test

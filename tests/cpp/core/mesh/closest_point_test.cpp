@@ -12,7 +12,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::closest_point_test {
 namespace {
 
 using namespace test_support;
@@ -180,4 +180,4 @@ TEST(ClosestPointTree, TakesASingleTriangleAndManyEqualOnes) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::closest_point_test

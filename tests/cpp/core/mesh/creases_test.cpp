@@ -12,7 +12,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::creases_test {
 namespace {
 
 using namespace test_support;
@@ -153,4 +153,4 @@ TEST(Creases, AreThoseOfTheShapeHoweverItsFacesAreTriangulated) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::creases_test

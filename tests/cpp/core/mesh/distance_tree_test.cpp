@@ -14,7 +14,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::distance_tree_test {
 namespace {
 
 using namespace test_support;
@@ -177,4 +177,4 @@ TEST(DistanceTree, IsTheSameBitsWithEveryInstructionSetAndNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::distance_tree_test

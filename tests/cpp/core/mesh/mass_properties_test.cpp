@@ -9,7 +9,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::mass_properties_test {
 namespace {
 
 using namespace test_support;
@@ -217,4 +217,4 @@ TEST(MassProperties, HaveATensorThatSomeBodyCanHave) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::mass_properties_test

@@ -7,7 +7,7 @@
 
 #include "support/meshes.h"
 
-namespace voxshell {
+namespace voxshell::openings_test {
 namespace {
 
 using namespace test_support;
@@ -78,4 +78,4 @@ TEST(Openings, ClosedPartsBesideDoNotCount) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::openings_test

@@ -11,7 +11,7 @@
 #include "support/overlapping_boxes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::ray_winding_test {
 namespace {
 
 using namespace test_support;
@@ -64,4 +64,4 @@ TEST(RayWinding, SaysNothingOfPlacesOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::ray_winding_test

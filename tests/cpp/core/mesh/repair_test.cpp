@@ -12,7 +12,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::repair_test {
 namespace {
 
 using namespace test_support;
@@ -174,4 +174,4 @@ TEST(Repair, WhatHasOneSideStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::repair_test

@@ -12,7 +12,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::row_winding_test {
 namespace {
 
 using namespace test_support;
@@ -110,4 +110,4 @@ TEST(RowWinding, RefusesAnOpenMesh) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::row_winding_test

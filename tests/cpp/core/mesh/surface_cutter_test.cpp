@@ -14,7 +14,7 @@
 #include "support/overlapping_boxes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::surface_cutter_test {
 namespace {
 
 using namespace test_support;
@@ -170,4 +170,4 @@ TEST(SurfaceCutter, TellsShallowOverlapsAndSidesThatTouch) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::surface_cutter_test

@@ -11,7 +11,7 @@
 #include "mesh/winding_number.h"
 #include "support/meshes.h"
 
-namespace voxshell {
+namespace voxshell::thicken_test {
 namespace {
 
 using namespace test_support;
@@ -185,4 +185,4 @@ TEST(Thicken, EnclosesASurfaceThatNoNormalIsOutsideOf) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::thicken_test

@@ -10,7 +10,7 @@
 #include "support/meshes.h"
 #include "voxshell/pose.h"
 
-namespace voxshell {
+namespace voxshell::thickness_test {
 namespace {
 
 using namespace test_support;
@@ -94,4 +94,4 @@ TEST(Thickness, OfAnOpenMeshIsAtMostTheShortestSideOfItsBounds) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::thickness_test

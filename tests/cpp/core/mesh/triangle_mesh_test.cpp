@@ -15,7 +15,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::triangle_mesh_test {
 namespace {
 
 using namespace test_support;
@@ -364,4 +364,4 @@ TEST(TriangleMesh, AreaAndVolumeAreInvariantUnderRigidMotion) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::triangle_mesh_test

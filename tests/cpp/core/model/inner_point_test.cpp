@@ -3,7 +3,7 @@
 #include "support/meshes.h"
 #include "voxshell/model.h"
 
-namespace voxshell {
+namespace voxshell::inner_point_test {
 namespace {
 
 using namespace test_support;
@@ -25,4 +25,4 @@ TEST(InnerPoint, IsInsideAThinWall) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::inner_point_test

@@ -9,7 +9,7 @@
 #include "support/meshes.h"
 #include "voxshell/model.h"
 
-namespace voxshell {
+namespace voxshell::measure_accuracy_test {
 namespace {
 
 using namespace test_support;
@@ -151,4 +151,4 @@ TEST(Accuracy, LeavesOutSurfaceThatLiesInsideOfOtherParts) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::measure_accuracy_test

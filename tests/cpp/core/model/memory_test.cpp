@@ -64,7 +64,7 @@ void operator delete[](void* memory, std::size_t, std::align_val_t a) noexcept {
   release(memory, number(a));
 }
 
-namespace voxshell {
+namespace voxshell::memory_test {
 namespace {
 
 using benchmarks::compute_memory;
@@ -98,4 +98,4 @@ TEST(ModelMemory, OfALoadedModelIsThatOfItsParts) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::memory_test

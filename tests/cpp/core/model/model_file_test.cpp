@@ -23,7 +23,7 @@
 #include "support/temporary_folder.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell {
+namespace voxshell::model_file_test {
 namespace {
 
 using namespace test_support;
@@ -602,4 +602,4 @@ TEST(ModelBytes, ChangedAtRandomAreRefusedOrGiveASoundModel) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::model_file_test

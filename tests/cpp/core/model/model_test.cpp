@@ -16,7 +16,7 @@
 #include "support/random.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell {
+namespace voxshell::model_test {
 namespace {
 
 using namespace test_support;
@@ -366,4 +366,4 @@ TEST(Model, ClosesABodyWithASmallHoleAsBefore) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::model_test

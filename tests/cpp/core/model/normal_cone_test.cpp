@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell {
+namespace voxshell::normal_cone_test {
 namespace {
 
 TEST(NormalCone, AngleOfAChordIsTwiceTheArcsine) {
@@ -41,4 +41,4 @@ TEST(NormalCone, OfACornerHoldsWhatIsBetween) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::normal_cone_test

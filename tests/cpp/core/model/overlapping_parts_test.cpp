@@ -17,7 +17,7 @@
 #include "support/random.h"
 #include "voxshell/model.h"
 
-namespace voxshell {
+namespace voxshell::overlapping_parts_test {
 namespace {
 
 using namespace test_support;
@@ -246,4 +246,4 @@ TEST(FaultyTriangles, CopiesAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::overlapping_parts_test

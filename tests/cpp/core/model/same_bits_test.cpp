@@ -19,7 +19,7 @@
 // Hashes of what models and queries are, the same on every processor, with every compiler and
 // instruction set. A change that is meant to give other models or contacts changes them.
 
-namespace voxshell {
+namespace voxshell::same_bits_test {
 namespace {
 
 using namespace test_support;
@@ -151,4 +151,4 @@ TEST(SameBits, OfQueries) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::same_bits_test

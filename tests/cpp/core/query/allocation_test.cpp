@@ -60,7 +60,7 @@ void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memo
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
-namespace voxshell {
+namespace voxshell::allocation_test {
 namespace {
 
 using namespace test_support;
@@ -175,4 +175,4 @@ TEST(Allocation, ThatFailsLeavesTheScratchUsable) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::allocation_test

@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "voxshell/model.h"
 
-namespace voxshell {
+namespace voxshell::ambiguity_test {
 namespace {
 
 using namespace test_support;
@@ -111,4 +111,4 @@ TEST(Ambiguity, IsNotOutside) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::ambiguity_test

@@ -10,7 +10,7 @@
 #include "voxshell/contacts_flat.h"
 #include "voxshell/manifold.h"
 
-namespace voxshell {
+namespace voxshell::arrivals_test {
 namespace {
 
 using namespace test_support;
@@ -54,4 +54,4 @@ TEST(Arrivals, AreAskedAboutAsByTheFlatLoopToTheBit) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::arrivals_test

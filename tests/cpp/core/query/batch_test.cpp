@@ -10,7 +10,7 @@
 #include "support/pairs.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::batch_test {
 namespace {
 
 using namespace test_support;
@@ -104,4 +104,4 @@ TEST(Batch, ReportsItsEnd) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::batch_test

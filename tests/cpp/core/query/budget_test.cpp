@@ -14,7 +14,7 @@
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell {
+namespace voxshell::budget_test {
 namespace {
 
 using namespace test_support;
@@ -167,4 +167,4 @@ TEST(Budget, KeepsTheDeepestOfWhatItFinds) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::budget_test

@@ -13,7 +13,7 @@
 #include "voxshell/contacts.h"
 #include "voxshell/field.h"
 
-namespace voxshell {
+namespace voxshell::contacts_by_hand_test {
 namespace {
 
 using namespace test_support;
@@ -303,4 +303,4 @@ TEST(ContactsByHand, AreTheLibrarysToTheBit) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::contacts_by_hand_test

@@ -16,7 +16,7 @@
 #include "voxshell/distance.h"
 #include "voxshell/wrench.h"
 
-namespace voxshell {
+namespace voxshell::contacts_on_edges_test {
 namespace {
 
 using namespace test_support;
@@ -305,4 +305,4 @@ TEST(ContactsOnEdges, AddNothingToAWrench) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::contacts_on_edges_test

@@ -23,7 +23,7 @@
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell {
+namespace voxshell::contacts_test {
 namespace {
 
 using namespace test_support;
@@ -557,4 +557,4 @@ TEST(Contacts, AreFoundFarOutsideOfAGridWithALargeMargin) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::contacts_test

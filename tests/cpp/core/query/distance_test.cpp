@@ -13,7 +13,7 @@
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell {
+namespace voxshell::distance_test {
 namespace {
 
 using namespace test_support;
@@ -125,4 +125,4 @@ TEST(Nearest, OfPosesThatAreNotNumbersIsNone) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::distance_test

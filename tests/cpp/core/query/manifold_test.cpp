@@ -12,7 +12,7 @@
 
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::manifold_test {
 namespace {
 
 using test_support::Random;
@@ -277,4 +277,4 @@ TEST(DeepestPerSegment, OfNothingIsEmpty) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::manifold_test

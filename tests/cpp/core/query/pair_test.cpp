@@ -10,7 +10,7 @@
 #include "support/pairs.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::pair_test {
 namespace {
 
 using namespace test_support;
@@ -255,4 +255,4 @@ TEST(InnerContact, IsOfAPlaceInsideTheOther) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::pair_test

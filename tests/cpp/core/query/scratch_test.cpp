@@ -18,7 +18,7 @@
 #include "voxshell/manifold.h"
 #include "voxshell/wrench.h"
 
-namespace voxshell {
+namespace voxshell::scratch_test {
 namespace {
 
 using namespace test_support;
@@ -365,4 +365,4 @@ TEST(Scratch, NoticesAShellThatTakesThePlaceOfAnother) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::scratch_test

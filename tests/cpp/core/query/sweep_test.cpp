@@ -15,7 +15,7 @@
 #include "support/pairs.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::sweep_test {
 namespace {
 
 using namespace test_support;
@@ -277,4 +277,4 @@ TEST(Sweep, PassesOverNoPlaceBelowTheMargin) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::sweep_test

@@ -10,7 +10,7 @@
 #include "voxshell/contacts.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell {
+namespace voxshell::threads_test {
 namespace {
 
 using namespace test_support;
@@ -49,4 +49,4 @@ TEST(Threads, EightAskOneModelAtOnceAndGetTheSameAnswers) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::threads_test

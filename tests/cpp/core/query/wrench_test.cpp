@@ -13,7 +13,7 @@
 #include "support/random.h"
 #include "voxshell/contacts_flat.h"
 
-namespace voxshell {
+namespace voxshell::wrench_test {
 namespace {
 
 using namespace test_support;
@@ -192,4 +192,4 @@ TEST(Wrench, LeavesTheContactsInTheScratch) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::wrench_test

@@ -12,7 +12,7 @@
 #include "support/random.h"
 #include "voxshell/point_shell.h"
 
-namespace voxshell {
+namespace voxshell::edge_segments_test {
 namespace {
 
 using namespace test_support;
@@ -82,4 +82,4 @@ TEST(EdgeSegments, GrowLongerRatherThanTooMany) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::edge_segments_test

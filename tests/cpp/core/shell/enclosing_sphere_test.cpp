@@ -12,7 +12,7 @@
 
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::enclosing_sphere_test {
 namespace {
 
 using test_support::Random;
@@ -328,4 +328,4 @@ TEST(EnclosingSphere, OfASpiralThatWidens) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::enclosing_sphere_test

@@ -17,7 +17,7 @@
 #include "support/random.h"
 #include "support/shells.h"
 
-namespace voxshell {
+namespace voxshell::point_shell_test {
 namespace {
 
 using namespace test_support;
@@ -270,4 +270,4 @@ TEST(PointShell, TakesOpenMeshes) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::point_shell_test

@@ -11,7 +11,7 @@
 #include "simd/tree_view.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::point_sphere_tree_test {
 namespace {
 
 using test_support::Random;
@@ -298,4 +298,4 @@ TEST(PointSphereTree, TakesPointsThatAllLieAtOnePlace) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::point_sphere_tree_test

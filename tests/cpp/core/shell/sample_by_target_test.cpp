@@ -10,7 +10,7 @@
 #include "support/random.h"
 #include "support/shells.h"
 
-namespace voxshell {
+namespace voxshell::sample_by_target_test {
 namespace {
 
 using namespace test_support;
@@ -85,4 +85,4 @@ TEST(SampleByTarget, OfManyPoints) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::sample_by_target_test

@@ -10,7 +10,7 @@
 #include "support/meshes.h"
 #include "support/shells.h"
 
-namespace voxshell {
+namespace voxshell::sample_by_tolerance_test {
 namespace {
 
 using namespace test_support;
@@ -65,4 +65,4 @@ TEST(SampleByTolerance, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::sample_by_tolerance_test

@@ -10,7 +10,7 @@
 #include "support/meshes.h"
 #include "support/shells.h"
 
-namespace voxshell {
+namespace voxshell::sample_on_grid_test {
 namespace {
 
 using namespace test_support;
@@ -48,4 +48,4 @@ TEST(SampleOnGrid, TellsHowManySamplesItMerged) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::sample_on_grid_test

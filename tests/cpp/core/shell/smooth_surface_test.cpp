@@ -11,7 +11,7 @@
 #include "support/random.h"
 #include "voxshell/point_shell.h"
 
-namespace voxshell {
+namespace voxshell::smooth_surface_test {
 namespace {
 
 using namespace test_support;
@@ -121,4 +121,4 @@ TEST(SmoothSurface, FindsTheNearestPlaceByWayOfItsTriangles) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::smooth_surface_test

@@ -17,7 +17,7 @@
 #include "support/random.h"
 #include "support/surface.h"
 
-namespace voxshell {
+namespace voxshell::surface_voxels_test {
 namespace {
 
 using namespace test_support;
@@ -338,4 +338,4 @@ TEST(SurfaceVoxels, TurnedGridsSampleTheSameSurface) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::surface_voxels_test

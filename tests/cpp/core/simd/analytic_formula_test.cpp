@@ -14,7 +14,7 @@
 #include "support/random.h"
 #include "voxshell/field.h"
 
-namespace voxshell {
+namespace voxshell::analytic_formula_test {
 namespace {
 
 using namespace simd::VOXSHELL_ISA;
@@ -97,4 +97,4 @@ TEST(AnalyticFormula, GivesEightPointsTheBitsOfOne) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::analytic_formula_test

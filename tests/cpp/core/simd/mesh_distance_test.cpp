@@ -11,7 +11,7 @@
 #include "simd/exact_formula.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::mesh_distance_test {
 namespace {
 
 using test_support::Random;
@@ -75,4 +75,4 @@ TEST(MeshDistanceKernels, GiveManyPlacesTheDistancesOfEachAlone) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::mesh_distance_test

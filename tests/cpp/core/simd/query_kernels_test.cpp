@@ -20,7 +20,7 @@
 #include "support/random.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell {
+namespace voxshell::query_kernels_test {
 namespace {
 
 using namespace test_support;
@@ -228,4 +228,4 @@ TEST(QueryKernels, WriteTheSameBitsOnEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::query_kernels_test

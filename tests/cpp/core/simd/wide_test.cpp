@@ -11,7 +11,7 @@
 
 // What each lane of the eight numbers of this processor's baseline gives, beside single numbers.
 
-namespace voxshell {
+namespace voxshell::wide_test {
 namespace {
 
 using namespace simd::VOXSHELL_ISA;
@@ -153,4 +153,4 @@ TEST(Wide, LanesAreMovedAndJoined) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::wide_test

@@ -14,7 +14,7 @@
 #include "support/meshes.h"
 #include "support/random.h"
 
-namespace voxshell {
+namespace voxshell::winding_test {
 namespace {
 
 using namespace test_support;
@@ -88,4 +88,4 @@ TEST(WindingKernels, GiveTheSameBitsWithEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace voxshell
+}  // namespace voxshell::winding_test

@@ -11,7 +11,6 @@ from voxshell_studies.scenes.drop import (
     build_shapes,
     build_world,
     compute_start_pose,
-    decompose,
 )
 
 SETTINGS = DropSettings(
@@ -35,9 +34,13 @@ def test_start_pose_is_upright_over_the_ground(up):
     np.testing.assert_allclose(tip[:2], 0.0, atol=1e-9)
 
 
-def test_every_method_starts_at_the_same_pose():
-    mesh = trimesh.creation.torus(major_radius=3, minor_radius=1)
-    shapes = build_shapes(mesh, SETTINGS)
+@pytest.fixture(scope="module")
+def shapes():
+    """Those of a torus, which take seconds to decompose."""
+    return build_shapes(trimesh.creation.torus(major_radius=3, minor_radius=1), SETTINGS)
+
+
+def test_every_method_starts_at_the_same_pose(shapes):
     assert set(shapes.bodies) == {method.key for method in METHODS}
     starts = [build_world(shapes, method, SETTINGS)[1].pose for method in METHODS]
     for start in starts[1:]:
@@ -51,15 +54,10 @@ def test_only_what_is_wanted_is_built():
     assert "voxels" not in shapes.grounds
 
 
-def test_decomposition_has_eight_hulls_of_at_most_100_vertices():
-    shape = decompose(vx.Mesh(*map(np.asarray, _torus())))
-    assert 2 <= len(shape.hulls) <= 8
-    assert max(len(hull) for hull in shape.hulls) <= 100
-
-
-def _torus():
-    mesh = trimesh.creation.torus(major_radius=0.3, minor_radius=0.1)
-    return mesh.vertices, mesh.faces.astype(np.uint32)
+def test_decomposition_has_eight_hulls_of_at_most_100_vertices(shapes):
+    hulls = shapes.bodies["decomposition"].hulls
+    assert 2 <= len(hulls) <= 8
+    assert max(len(hull) for hull in hulls) <= 100
 
 
 def test_wrong_settings_are_refused():
