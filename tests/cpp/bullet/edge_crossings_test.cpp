@@ -11,7 +11,7 @@
 #include "support/brick.h"
 #include "voxshell/contacts.h"
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::edge_crossings_test {
 namespace {
 
 using namespace test_support;
@@ -64,4 +64,4 @@ TEST(EdgePiece, CrossesNoThinSheetBetweenItsTwoWalls) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::edge_crossings_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace voxshell::bullet {
+namespace voxshell::bullet::foremost_test {
 namespace {
 
 const BoxField kBox{{0.1, 0.1, 0.1}};
@@ -42,4 +42,4 @@ TEST(Foremost, ShapesOfAllKindsAreAsked) {
 }
 
 }  // namespace
-}  // namespace voxshell::bullet
+}  // namespace voxshell::bullet::foremost_test
