@@ -22,10 +22,6 @@ if TYPE_CHECKING:
 
 _DEPTH_SHADES = 32
 """Colors of a GIF that contacts have, from a touch to the largest depth."""
-_UNCHANGED = 255
-"""Color of pixels of a GIF that remain as in the last picture: the last one. All others are seen."""
-_LONGEST_PAUSE = 2**16 - 1
-"""Hundredths of a second that a GIF can state."""
 
 
 def as_pause(pause: float, path: Path) -> float:
@@ -80,10 +76,9 @@ def open_writer(
 
 
 class GifWriter:
-    """A GIF whose pictures share 255 colors, among them those of contacts, so that only what moves takes space.
+    """A GIF whose pictures share 256 colors, among them those of contacts, so that only what moves takes space.
 
-    Colors chosen for each picture alone would flicker, and leave out those of small things. Each picture
-    is written when the next one is known. Pillow would keep all of them in memory until the last one.
+    Colors chosen for each picture alone would flicker, and leave out those of small things.
 
     Args:
         path: The file.
@@ -93,16 +88,13 @@ class GifWriter:
 
     def __init__(self, path: Path, pause: float, samples: Sequence[NDArray[np.uint8]]) -> None:
         self._images = import_module("PIL.Image")  # imageio needs it, too
-        self._blocks = import_module("PIL.GifImagePlugin")
-        self._path, self._pause = path, round(1e2 * pause)
+        self._path, self._milliseconds = path, round(1e3 * pause)
         depths = color_depths(np.linspace(0.0, 1.0, _DEPTH_SHADES)).round().astype(np.uint8)
         needed = np.concatenate([depths, np.array([FORCE_COLOR], np.uint8)])
-        found = self._choose_colors(samples, _UNCHANGED - len(needed))
-        self._colors = [*found, *needed.ravel().tolist()]
+        found = self._choose_colors(samples, 256 - len(needed))
         self._palette = self._images.new("P", (1, 1))
-        self._palette.putpalette(self._colors)
-        self._shown: NDArray[np.uint8] | None = None
-        self._waiting: tuple[NDArray[np.uint8], tuple[int, int], int] | None = None
+        self._palette.putpalette([*found, *needed.ravel().tolist()])
+        self._frames: list[Any] = []
 
     def _choose_colors(self, samples: Sequence[NDArray[np.uint8]], count: int) -> list[int]:
         """Return red, green and blue of each color, one after the other."""
@@ -119,61 +111,20 @@ class GifWriter:
         """Append a picture, (h, w, 3)."""
         plain = self._images.Dither.NONE  # grain would move, and takes space
         frame = self._images.fromarray(picture).quantize(palette=self._palette, dither=plain)
-        colors = np.asarray(frame)
-        change = self._find_change(colors)
-        if self._waiting is not None:
-            waiting, corner, pause = self._waiting
-            if change is None and pause + self._pause <= _LONGEST_PAUSE:
-                self._waiting = waiting, corner, pause + self._pause
-                return
-            self._write_waiting()
-        part, corner = change or (np.full((1, 1), _UNCHANGED, np.uint8), (0, 0))
-        self._waiting = part, corner, self._pause
-        self._shown = colors
-
-    def _find_change(
-        self, colors: NDArray[np.uint8]
-    ) -> tuple[NDArray[np.uint8], tuple[int, int]] | None:
-        """Return the part that differs from the last picture, and its left and top; None if nothing does."""
-        if self._shown is None:
-            return colors, (0, 0)
-        differs = colors != self._shown
-        rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
-        if not len(rows):
-            return None
-        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        changed = np.where(differs[part], colors[part], np.uint8(_UNCHANGED))
-        return changed, (int(columns[0]), int(rows[0]))
-
-    def _write_waiting(self) -> None:
-        """Write the part of a picture that waits until it is known how long it is shown."""
-        assert self._waiting is not None
-        part, corner, pause = self._waiting
-        if self._file.tell() == 0:
-            self._file.write(_make_gif_head(part.shape[1], part.shape[0], self._colors))
-        image = self._images.fromarray(part)
-        for block in self._blocks.getdata(
-            image, corner, duration=10 * pause, transparency=_UNCHANGED
-        ):
-            self._file.write(block)
+        self._frames.append(frame)
 
     def __enter__(self) -> GifWriter:
-        self._file = self._path.open("wb")
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Complete the file, or remove it if an exception ends the block."""
-        with self._file:
-            if kind is None:
-                self._write_waiting()
-                self._file.write(b";")
-        if kind is not None:
-            self._path.unlink()
-
-
-def _make_gif_head(width: int, height: int, colors: Sequence[int]) -> bytes:
-    """Return what a GIF of at most 256 colors, red, green and blue of each, begins with if it plays without end."""
-    size = width.to_bytes(2, "little") + height.to_bytes(2, "little")
-    table = bytes(colors).ljust(3 * 256, b"\0")
-    endless = b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
-    return b"GIF89a" + size + b"\xf7\0\0" + table + endless
+        """Write the file, unless an exception ends the block."""
+        if kind is None:
+            first, *rest = self._frames
+            first.save(
+                self._path,
+                format="GIF",
+                save_all=True,
+                append_images=rest,
+                duration=self._milliseconds,
+                loop=0,
+            )
