@@ -253,6 +253,9 @@ class _Film:
         finer = (round(_FINER * size[0]), round(_FINER * size[1]))
         actors = [drawn.actor for drawn in self._drawn]
         self._bodies = BodyView(plotter, actors, size=finer, body_size=stage.body_size)
+        self._ball = pyvista.Sphere(
+            radius=self._marked.ball, theta_resolution=12, phi_resolution=12
+        )
         self._marks: list[Any] = []
         self._overlay = self._add_overlay()
         legend = []
@@ -352,10 +355,8 @@ class _Film:
         if len(marks.points):
             points = self._pyvista.PolyData(marks.points)
             points["color"] = marks.colors.round().astype(np.uint8)
-            radius = self._marked.ball
-            ball = self._pyvista.Sphere(radius=radius, theta_resolution=12, phi_resolution=12)
             mapper = self._pyvista.DataSetMapper(
-                points.glyph(geom=ball, scale=False, orient=False, color_mode="scalar")
+                points.glyph(geom=self._ball, scale=False, orient=False, color_mode="scalar")
             )
             mapper.SetScalarModeToUsePointFieldData()
             mapper.SelectColorArray("color")
