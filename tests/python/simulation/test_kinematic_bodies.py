@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import trimesh
@@ -65,6 +67,16 @@ def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
         assert cargo.position[2] == pytest.approx(height + 0.05, abs=1e-4)
 
 
+@cache
+def make_disk() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.cylinder(radius=0.5, height=0.1, sections=64))
+
+
+@cache
+def make_block() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.box((0.06, 0.06, 0.02)))
+
+
 def ride_a_turntable(rate, fraction, drive):
     """The distance of cargo from the axis after 6 s; it begins at 0.3 m.
 
@@ -73,11 +85,9 @@ def ride_a_turntable(rate, fraction, drive):
     friction = 0.1
     spin = fraction * np.sqrt(friction * 9.81 / 0.3)
     world = vx.World(time_step=1 / rate)
-    disk = vx.Model.from_mesh(trimesh.creation.cylinder(radius=0.5, height=0.1, sections=64))
     motion = "kinematic" if drive == "pose" else "dynamic"
-    table = world.add(disk, motion=motion, mass=5.0, pose=at(z=-0.05), friction=1.0)
-    block = vx.Model.from_mesh(trimesh.creation.box((0.06, 0.06, 0.02)))
-    cargo = world.add(block, mass=0.5, pose=at(x=0.3, z=0.01), friction=friction)
+    table = world.add(make_disk(), motion=motion, mass=5.0, pose=at(z=-0.05), friction=1.0)
+    cargo = world.add(make_block(), mass=0.5, pose=at(x=0.3, z=0.01), friction=friction)
     axle = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, table) if drive == "motor" else None
     angle = 0.0
     for step in range(1, 6 * rate + 1):
@@ -120,13 +130,22 @@ def test_a_ball_goes_round_on_a_turntable_at_two_sevenths_of_its_spin(rate):
     np.testing.assert_allclose(np.hypot(x, y), distance, atol=2e-4)
 
 
+@cache
+def make_board() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.box((0.02, 0.3, 0.3)))
+
+
+@cache
+def make_ball() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.03))
+
+
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 @pytest.mark.parametrize("speed", [1.0, 20.0])
 def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
     world = vx.World(gravity=(0, 0, 0), time_step=1 / rate)
-    board = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.3, 0.3)))
-    paddle = world.add(board, motion="kinematic", pose=at(x=-0.1))
-    ball = world.add(vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.03)))
+    paddle = world.add(make_board(), motion="kinematic", pose=at(x=-0.1))
+    ball = world.add(make_ball())
     for step in range(1, rate // 4):
         paddle.pose = at(x=-0.1 + speed * step / rate)
         world.step()
