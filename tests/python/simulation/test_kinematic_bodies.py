@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import trimesh
 import voxshell as vx
 from poses import at
+
+
+@cache
+def make_box(*extents: float) -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.box(extents))
 
 
 @pytest.mark.parametrize("plate", ["box", "model"])
@@ -34,13 +41,9 @@ def test_kinematic_body_takes_along_what_lies_on_it(brick, plate):
 @pytest.mark.parametrize(("size", "tray"), [(0.1, 0.01), (0.1, 0.002), (0.005, 0.002)])
 def test_cargo_stays_on_a_tray_that_starts_to_rise(rate, size, tray):
     """It closes on the cargo by more than the rest margin a step, and by less than CCD begins at."""
-    cargoes = (
-        vx.Box((size / 2, size / 2, size / 2)),
-        vx.Model.from_mesh(trimesh.creation.box((size, size, size))),
-    )
-    for cargo in cargoes:
+    for cargo in (vx.Box((size / 2, size / 2, size / 2)), make_box(size, size, size)):
         world = vx.World(time_step=1 / rate)
-        slab = vx.Model.from_mesh(trimesh.creation.box((4 * size, 4 * size, tray)))
+        slab = make_box(4 * size, 4 * size, tray)
         lift = world.add(slab, motion="kinematic", pose=at(z=-tray / 2))
         body = world.add(cargo, pose=at(z=size / 2))
         world.step(rate // 5)
@@ -54,8 +57,8 @@ def test_cargo_stays_on_a_tray_that_starts_to_rise(rate, size, tray):
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
     world = vx.World(time_step=1 / rate)
-    cube = vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1)))
-    slab = vx.Model.from_mesh(trimesh.creation.box((1, 1, 0.1)))
+    cube = make_box(0.1, 0.1, 0.1)
+    slab = make_box(1.0, 1.0, 0.1)
     lift = world.add(slab, motion="kinematic", pose=at(z=-0.05))
     cargo = world.add(cube, pose=at(z=0.05))
     for step in range(1, 2 * rate):
@@ -63,6 +66,11 @@ def test_cargo_stays_on_a_lift_that_goes_up_and_down(rate):
         lift.pose = at(z=height - 0.05)
         world.step()
         assert cargo.position[2] == pytest.approx(height + 0.05, abs=1e-4)
+
+
+@cache
+def make_disk() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.cylinder(radius=0.5, height=0.1, sections=64))
 
 
 def ride_a_turntable(rate, fraction, drive):
@@ -73,11 +81,11 @@ def ride_a_turntable(rate, fraction, drive):
     friction = 0.1
     spin = fraction * np.sqrt(friction * 9.81 / 0.3)
     world = vx.World(time_step=1 / rate)
-    disk = vx.Model.from_mesh(trimesh.creation.cylinder(radius=0.5, height=0.1, sections=64))
     motion = "kinematic" if drive == "pose" else "dynamic"
-    table = world.add(disk, motion=motion, mass=5.0, pose=at(z=-0.05), friction=1.0)
-    block = vx.Model.from_mesh(trimesh.creation.box((0.06, 0.06, 0.02)))
-    cargo = world.add(block, mass=0.5, pose=at(x=0.3, z=0.01), friction=friction)
+    table = world.add(make_disk(), motion=motion, mass=5.0, pose=at(z=-0.05), friction=1.0)
+    cargo = world.add(
+        make_box(0.06, 0.06, 0.02), mass=0.5, pose=at(x=0.3, z=0.01), friction=friction
+    )
     axle = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, table) if drive == "motor" else None
     angle = 0.0
     for step in range(1, 6 * rate + 1):
@@ -120,13 +128,17 @@ def test_a_ball_goes_round_on_a_turntable_at_two_sevenths_of_its_spin(rate):
     np.testing.assert_allclose(np.hypot(x, y), distance, atol=2e-4)
 
 
+@cache
+def make_ball() -> vx.Model:
+    return vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.03))
+
+
 @pytest.mark.parametrize("rate", [1000, 200, 60, 30])
 @pytest.mark.parametrize("speed", [1.0, 20.0])
 def test_a_kinematic_paddle_hits_what_it_moves_across(rate, speed):
     world = vx.World(gravity=(0, 0, 0), time_step=1 / rate)
-    board = vx.Model.from_mesh(trimesh.creation.box((0.02, 0.3, 0.3)))
-    paddle = world.add(board, motion="kinematic", pose=at(x=-0.1))
-    ball = world.add(vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.03)))
+    paddle = world.add(make_box(0.02, 0.3, 0.3), motion="kinematic", pose=at(x=-0.1))
+    ball = world.add(make_ball())
     for step in range(1, rate // 4):
         paddle.pose = at(x=-0.1 + speed * step / rate)
         world.step()

@@ -256,22 +256,25 @@ def test_a_cube_slides_off_an_equal_one_of_another_kind(below, rate):
     assert body.linear_velocity[0] / (steps / rate) == pytest.approx(0.25 * 9.81, rel=0.05)
 
 
-def gear_model(solid: m3.Manifold) -> vx.Model:
-    return vx.Model.from_mesh(as_mesh(solid), voxel_size=0.0004, cache=False)
+@cache
+def make_plate_and_gears(distance: float) -> list[vx.Model]:
+    """12 teeth drive 24, on a plate with pins at this distance."""
+    plate = m3.Manifold.cube((0.12, 0.07, 0.004), center=True).translate((0.018, 0, -0.002))
+    for x in (0.0, distance):
+        pin = m3.Manifold.cylinder(0.011, 0.0039, circular_segments=96)
+        plate += pin.translate((x, 0, -0.001))
+    solids = [plate, *(make_gear(n, 0.002, 0.008, 0.004, 0.0002) for n in (12, 24))]
+    return [vx.Model.from_mesh(as_mesh(solid), voxel_size=0.0004) for solid in solids]
 
 
 @pytest.mark.filterwarnings("ignore::voxshell.AccuracyWarning")
 @pytest.mark.parametrize("speed", [13 / 14, 67 / 70])  # turns/s
 def test_contacts_that_are_turned_are_no_deeper_than_before(speed):
-    # 12 teeth drive 24, on a plate with pins. Edges of teeth touch the plate and the other gear.
-    rate, teeth, distance = 500, (12, 24), 0.036
-    plate = m3.Manifold.cube((0.12, 0.07, 0.004), center=True).translate((0.018, 0, -0.002))
-    for x in (0.0, distance):
-        pin = m3.Manifold.cylinder(0.011, 0.0039, circular_segments=96)
-        plate += pin.translate((x, 0, -0.001))
+    # Edges of teeth touch the plate and the other gear.
+    rate, distance = 500, 0.036
     world = vx.World(time_step=1 / rate, sleeping=False)
-    world.add(gear_model(plate), mass=0.0, friction=0.1)
-    models = [gear_model(make_gear(n, 0.002, 0.008, 0.004, 0.0002)) for n in teeth]
+    plate, *models = make_plate_and_gears(distance)
+    world.add(plate, mass=0.0, friction=0.1)
     meshed = vx.pose((distance, 0.0, 0.0), euler=(0.0, 0.0, math.pi / 24))
     small = world.add(models[0], mass=0.05, friction=0.1)
     world.add(models[1], mass=0.2, pose=meshed, friction=0.1)
