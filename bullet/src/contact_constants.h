@@ -136,7 +136,7 @@ inline constexpr double kForemostCosine = 1.0 - 0.5 * kForemostAngle * kForemost
 /// Only where bodies close by less than this fraction of the thinner one's thickness within the
 /// step: the touch turns them by little then. Larger: what is thrown down lands deeper, with what
 /// came later before the touch. Smaller: at low rates, faces stay on the edge that they tip over.
-inline constexpr double kGentleOfThickness = 0.2;
+inline constexpr double kGentleOfThickness = 0.3;
 /// What comes first there is looked up this fraction of the rest margin outside. Larger: other
 /// parts of the body are nearer. Smaller: rounding decides.
 inline constexpr double kOutsideOfMargin = 0.25;

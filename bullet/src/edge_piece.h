@@ -41,13 +41,13 @@ inline EdgePiece edge_piece_of(const Side& side, std::uint32_t id, const Vec3& p
 /// Where an edge crosses one of the other body, or its place as it is.
 struct Crossing {
   double along = 0.0;  ///< from that place, meters
-  Vec3 outwards =
-      {};  ///< of the field, square to both edges; its length is how fast distances rise
+  /// Of the field, square to both edges. Its length is how fast distances rise.
+  Vec3 outwards = {};
 };
 
-/// Finds where the field's normal is square to an edge; none where that is farther from a place of
-/// the edge than four times `way`, or than the edge is long. Nor where the
-/// edge lies flat on one of the two faces that it passes between.
+/// Finds where the field's normal is square to an edge. None where that is farther from a place of
+/// the edge than four times `way`, or than the edge is long, where the edge lies flat on one of the
+/// two faces that it passes between, or where it passes between two walls of a thin part.
 ///
 /// @param at   The place, in the field's frame.
 /// @param way  Meters.

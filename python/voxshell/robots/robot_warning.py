@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from voxshell.robots.description import RobotDescription
     from voxshell.robots.matter import Matter
 
-_MOST_FLAWS = 3
+_MOST_FLAWS = 30
 """Number of faulty meshes, or of links with a doubtful inertia, that a line of the warning lists."""
 
 

@@ -109,8 +109,8 @@ def test_faults_of_meshes_are_listed_up_to_a_number():
         warn_of_robot(robot, Matter())
     said = str(caught[0].message)
     assert said.startswith("f has faulty meshes; it was closed: 'link0' (part.stl: 0 open edges), ")
-    assert said.count("(part.stl: ") == 3
-    assert ", and 37 more; repair them" in said
+    assert said.count("(part.stl: ") == 30
+    assert ", and 10 more; repair them" in said
 
 
 @pytest.mark.parametrize("fixed_base", [True, False])
@@ -172,10 +172,9 @@ def test_a_single_cause_is_one_line(write):
 
 
 def test_the_worst_of_many_doubtful_inertias_are_named():
-    times = {f"link{n}": float(10 + n) for n in range(8)}
+    times = {f"link{n}": float(10 + n) for n in range(33)}
     with pytest.warns(vx.RobotWarning) as caught:
         warn_of_robot(RobotDescription("f", "r", {}, {}), Matter(with_large_inertia=times))
     said = str(caught[0].message)
-    assert (
-        "can have ('link7': 17 times, 'link6': 16 times, 'link5': 15 times, and 5 more); " in said
-    )
+    assert "can have ('link32': 42 times, 'link31': 41 times, " in said
+    assert "'link3': 13 times, and 3 more); " in said

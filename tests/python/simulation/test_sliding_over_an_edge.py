@@ -79,11 +79,11 @@ def slide_off(kinds, speed, rate, turn):
         (("model", "model"), 1000.0, 0.01, 0.13),
         (("model", "model"), 200.0, 0.01, 0.03),
         (("model", "model"), 60.0, 0.03, 0.13),
-        (("model", "model"), 30.0, 0.12, 0.31),
+        (("model", "model"), 30.0, 0.06, 0.25),
         (("model", "box"), 1000.0, 0.03, 0.13),
         (("model", "box"), 200.0, 0.01, 0.03),
         (("model", "box"), 60.0, 0.03, 0.13),
-        (("model", "box"), 30.0, 0.12, 0.31),
+        (("model", "box"), 30.0, 0.06, 0.25),
     ],
 )
 def test_a_box_tips_off_a_table_as_fast_as_it_should(kinds, rate, median, worst, turn):
