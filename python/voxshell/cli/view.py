@@ -16,7 +16,7 @@ from voxshell.model.meshes import name_of
 from voxshell.model.model import Model
 from voxshell.viewer.guard import make_token
 from voxshell.viewer.inspector import Inspector, Layer
-from voxshell.viewer.page import style_canvas
+from voxshell.viewer.page import plain_head
 from voxshell.viewer.server import import_viser, make_address, silent_server
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def view(
         raise SettingsError(f"{body} has no field and no points: name a mesh or a model file first")
     partner = None if other is None else bodies[other]
     token = make_token()
-    with silent_server(port if export is None else 0, token=token, head=style_canvas()) as server:
+    with silent_server(port if export is None else 0, token=token, head=plain_head()) as server:
         inspector = Inspector(server, model, partner, name=name_of(body), show=show)
         if export is not None:
             inspector.save_html(export)

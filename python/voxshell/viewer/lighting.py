@@ -1,4 +1,4 @@
-"""Light, the same on all pages: a sun with shadows, a sky, and a room."""
+"""Light, the same on all pages: a sun with shadows, and a sky."""
 
 from __future__ import annotations
 
@@ -11,17 +11,15 @@ if TYPE_CHECKING:
 
 SUN = (-0.50, -0.42, 0.76)
 """From where the sun shines: to the right, away from the viewer, and up."""
-_SUN_LIGHT, _SKY_LIGHT, ROOM_LIGHT = 2.8, 0.35, 0.2
+_SUN_LIGHT, _SKY_LIGHT = 2.8, 1.27
 
 
-def add_lights(scene: viser.SceneApi, *, up: str, room: bool = True) -> tuple[Any, Any]:
-    """Replaces viser's lights, which shine from above.
+def add_lights(scene: viser.SceneApi, *, up: str) -> tuple[Any, Any]:
+    """Replace viser's lights, which are its own sun and the picture of a room; ``own_look.js`` keeps them away.
 
     Args:
         scene: Where.
         up: The world axis that points up.
-        room: Whether to send the picture of the room, too. A replay would load it again in each round, and the
-            player hides everything while it loads; the page dims the player's own instead.
 
     Returns:
         The nodes of the sun and of the sky.
@@ -30,8 +28,7 @@ def add_lights(scene: viser.SceneApi, *, up: str, room: bool = True) -> tuple[An
     across, back, above = SUN
     place = 10.0 * (across * right + back * forward + above * upward)
     scene.configure_default_lights(enabled=False)
-    if room:
-        scene.configure_environment_map("studio", environment_intensity=ROOM_LIGHT)
+    scene.configure_environment_map(None)
     sun = scene.add_light_directional(
         "/lights/sun",
         color=(255, 247, 235),
@@ -41,8 +38,8 @@ def add_lights(scene: viser.SceneApi, *, up: str, room: bool = True) -> tuple[An
     )
     sky = scene.add_light_hemisphere(
         "/lights/sky",
-        sky_color=(226, 236, 250),
-        ground_color=(176, 172, 168),
+        sky_color=(231, 236, 255),
+        ground_color=(106, 101, 97),
         intensity=_SKY_LIGHT,
     )
     return sun, sky

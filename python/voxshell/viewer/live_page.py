@@ -76,8 +76,8 @@ class LivePage:
         self._token = make_token()
         self._stack = ExitStack()
         head = read_part("live_page.html")
-        for name, part in (("canvas", "canvas.css"), ("stay_above", "stay_above.js")):
-            head = head.replace(f"{{{{{name}}}}}", read_part(part))
+        for part in ("canvas.css", "own_look.js", "stay_above.js"):
+            head = head.replace(f"{{{{{part.partition('.')[0]}}}}}", read_part(part))
         self._server = self._stack.enter_context(silent_server(port, token=self._token, head=head))
         self._scene = LiveScene(self._server.scene, colors, self._drag)
         self._camera: Camera | None = None

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from voxshell.base.lengths import metric
 from voxshell.base.outputs import write_text
 from voxshell.errors import RecordingError
-from voxshell.viewer.lighting import ROOM_LIGHT
 from voxshell.viewer.palette import FORCE_COLOR
 from voxshell.viewer.pins import DEPTH_COLORS
 from voxshell.viewer.stage import VIEW_ASPECT
@@ -93,10 +92,10 @@ def add_heading(
         "plots": plots,
         "colors": colors,
         "force": "#{:02x}{:02x}{:02x}".format(*FORCE_COLOR),
-        "room": f"{ROOM_LIGHT:g}",
         "aspect": f"{VIEW_ASPECT:g}",
         "seconds": f"{seconds:.6g}",
         "canvas": read_part("canvas.css"),
+        "own_look": read_part("own_look.js"),
         "stay_above": read_part("stay_above.js"),
         "ground": "null" if ground is None else f"{ground:.6g}",
     }
@@ -116,9 +115,9 @@ def add_heading(
     return "".join([page[:head], policy, top, heading, page[body:]])
 
 
-def style_canvas() -> str:
-    """Return the background of a scene, for the head of a page that has no style of its own."""
-    return f"<style>{read_part('canvas.css')}</style>"
+def plain_head() -> str:
+    """Return the background and the light of a scene, for the head of a page that has none of its own."""
+    return f"<style>{read_part('canvas.css')}</style><script>{read_part('own_look.js')}</script>"
 
 
 def read_part(name: str) -> str:

@@ -142,7 +142,7 @@ def _record(lanes: Sequence[Lane], script: Script, hold: float) -> str:
         server.scene.set_up_direction(script.up)  # pyright: ignore[reportArgumentType]
         camera = server.initial_camera
         camera.position, camera.look_at = script.camera.position, script.camera.target
-        add_lights(server.scene, up=script.up, room=False)
+        add_lights(server.scene, up=script.up)
         camera.up, camera.fov = view_axes(script.up)[2], script.camera.field_of_view
         actors = [
             actor

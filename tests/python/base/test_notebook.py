@@ -13,7 +13,7 @@ import pytest
 import trimesh
 import voxshell as vx
 from PIL import Image
-from player import COARSE_BLUR, PATIENCE, complaints_of
+from player import PATIENCE, complaints_of
 from playwright.sync_api import Browser
 from voxshell.base.notebook import make_table
 from voxshell.recording import BodyTrack, ContactTrack, Recording
@@ -121,7 +121,6 @@ def test_the_replay_in_a_notebook_plays(browser: Browser, tmp_path: Path):
     path = tmp_path / "notebook.html"
     path.write_text(f"<!doctype html><body>{make_recording()._repr_html_()}</body>")
     page = browser.new_page(viewport={"width": 600, "height": 700})
-    page.add_init_script(COARSE_BLUR)
     complaints = complaints_of(page)
     page.goto(path.as_uri())
     frame = page.frame_locator("iframe")

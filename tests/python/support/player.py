@@ -30,15 +30,6 @@ WIDTH, HEIGHT, BAR = 480, 360, 40
 # Software rendering on a busy machine draws a picture in seconds rather than milliseconds.
 PATIENCE = 60.0
 
-# viser blurs a picture of a room for its light, and in each round of a replay again: for seconds of both processors
-# where software draws. Of 4 samples a pixel instead of 256 the light is the same but for noise.
-COARSE_BLUR = """
-const shaderSource = WebGL2RenderingContext.prototype.shaderSource;
-WebGL2RenderingContext.prototype.shaderSource = function (shader, text) {
-  shaderSource.call(this, shader, text.replace("#define GGX_SAMPLES 256", "#define GGX_SAMPLES 4"));
-};
-"""
-
 
 @contextmanager
 def launched_browser() -> Iterator[Browser]:
@@ -78,7 +69,6 @@ class Player:
             viewport={"width": WIDTH, "height": HEIGHT}, offline=True
         )
         self.page: Page = self._context.new_page()
-        self.page.add_init_script(COARSE_BLUR)
         self.page.set_default_timeout(PATIENCE * 1000.0)
         self.complaints = complaints_of(self.page)
         self.requests: list[str] = []

@@ -17,7 +17,7 @@ from player import PATIENCE, Player, complaints_of
 from playwright.sync_api import Browser, Page
 from voxshell.viewer.inspector import Inspector
 from voxshell.viewer.layers import describe_slice, find_box, find_level_surface, paint_slice
-from voxshell.viewer.page import style_canvas
+from voxshell.viewer.page import plain_head
 from voxshell.viewer.server import make_address, silent_server
 
 HALF = (0.03, 0.02, 0.01)
@@ -112,7 +112,7 @@ class Visit:
 
 @pytest.fixture
 def visit(browser: Browser, brick: vx.Model) -> Iterator[tuple[Visit, Inspector]]:
-    with silent_server(token="secret", head=style_canvas()) as server:
+    with silent_server(token="secret", head=plain_head()) as server:
         inspector = Inspector(server, brick, vx.Sphere(0.015), name="brick")
         visit = Visit(browser, make_address(server, "secret"))
         visit.wait(lambda: int(np.sum(visit.picture().min(axis=2) < 240)) > 2000, "nothing is seen")
@@ -172,6 +172,8 @@ def test_a_page_of_a_slow_machine_is_not_pale(visit: tuple[Visit, Inspector]):
     canvas = "getComputedStyle(document.querySelector('canvas[data-engine]'))"
     # viser fades it in over five pictures, and draws the next one when something changes.
     assert page.page.evaluate(f"{canvas}.opacity") == "1"
+    # A picture of a room would be blurred for its light, for seconds.
+    assert page.page.evaluate("window.__viserMutable.scene.environment") is None
 
 
 def test_a_place_typed_in_moves_either_body_and_its_contacts(
