@@ -13,7 +13,7 @@ from command import parse_command, tell
 from drawing import draw, plt
 
 options = parse_command(__doc__, mesh=None, scale=0.001)
-path = options.mesh
+path, labels = options.mesh, {}
 if path is None:
     path = options.out / "part.stl"
     part = trimesh.creation.icosphere(4, radius=50.0)  # millimeters
@@ -22,7 +22,9 @@ if path is None:
         * np.exp(-((part.vertices[:, :2] / 20.0) ** 2).sum(axis=1))
         * (part.vertices[:, 2] > 0.0)
     )
-    part.update_faces(np.arange(len(part.faces)) != 700)
+    gone = np.argmax(part.triangles_center @ (0.6, -0.75, 0.3))
+    labels["one triangle is missing; the model closes the hole"] = part.triangles_center[gone] / 1e3
+    part.update_faces(np.arange(len(part.faces)) != gone)
     part.export(path)
 
 with warnings.catch_warnings(record=True) as caught:
@@ -49,7 +51,8 @@ tell(
     },
 )
 model.save(options.out / "part.vxs")
-draw(options.out / "picture.png", [(model, np.eye(4), (92, 141, 208))], elevation=40)
+shown = [(model, np.eye(4), (92, 141, 208))]
+draw(options.out / "picture.png", shown, elevation=40, labels=labels)
 
 low, high = model.bounds
 x, z = np.linspace(1.3 * low[0], 1.3 * high[0], 300), np.linspace(1.3 * low[2], 1.3 * high[2], 300)

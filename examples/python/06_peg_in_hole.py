@@ -8,7 +8,7 @@ stops. The voxels of 0.25 mm are larger than the clearance, but on these smooth 
 import numpy as np
 import voxshell as vx
 from command import parse_command, tell
-from drawing import draw, plot
+from drawing import as_recording, draw, plot
 from machine_parts import as_mesh, m3
 from trimesh.transformations import rotation_matrix
 
@@ -65,6 +65,12 @@ pairs = [
     for side, (peg, peg_pose) in zip(apart, (bodies[1], bodies[2]), strict=True)
     for shape, pose, color in ((half, np.eye(4), (176, 182, 190)), (peg, peg_pose, (92, 141, 208)))
 ]
-draw(options.out / "picture.png", pairs, azimuth=15, elevation=15)
+stopped = vx.contacts(fixed, bodies[2][0], apart[1], apart[1] @ bodies[2][1], shell="both")
+labels = {
+    "radius 9.95 mm: enters": (0.0, -0.006, -0.02),
+    "radius 10.1 mm: stops": (0.05, -0.01, 0.0),
+}
+view = {"azimuth": 12, "elevation": 12, "labels": labels}
+draw(options.out / "picture.png", as_recording(pairs, stopped), **view)
 time = np.arange(len(down)) / RATE
 plot(options.out / "plot.png", time, lines, x_label="time, s", y_label="depth in the hole, mm")

@@ -58,8 +58,8 @@ if __name__ == "__main__":
     robot.set_targets({"turn": -TURN})
     world.step(round(1.8 * RATE), note)
     slip = np.linalg.inv(robot.links["outer"].pose) @ mug.pose - held
-    view = {"frame": 230, "frames": (230,), "focus": ("gripper/boom", "mug"), "cut": ("mug",)}
-    draw(options.out / "picture.png", recorder.recording(colors=colors), azimuth=32.0, **view)
+    view = {"frames": (230,), "focus": ("gripper/outer", "mug"), "cut": ("mug",), "fill": 0.6}
+    draw(options.out / "picture.png", recorder.recording(colors=colors), frame=230, **view)
     for targets in ({"lift": -0.19}, {"grip": 0.0}):
         robot.set_targets(targets)
         world.step(round(1.8 * RATE), note)

@@ -48,7 +48,7 @@ for name, shape in shapes.items():
     lines[name] = 1e3 * heights
 tell(options.out, figures)
 recording = recorder.recording()
-draw(options.out / "picture.png", recording, frames=(-1,), elevation=35.0, fill=0.62)
+draw(options.out / "picture.png", recording, frames=(-1,), elevation=35.0)
 time = np.arange(1, len(heights) + 1) / RATE
 shown = (time > 0.28) & (time < 0.8)  # starts shortly before the ring lands
 lines = {name: line[shown] for name, line in lines.items()}

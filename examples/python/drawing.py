@@ -17,7 +17,7 @@ from voxshell.viewer.pins import color_depths
 from voxshell.viewer.stage import find_slabs, nice_length, plan_stage
 
 SIZE = 960, 600  # pixels
-INK, FAINT = (30, 39, 51), (91, 104, 120)
+INK, FAINT, PLATE = (30, 39, 51), (91, 104, 120), (250, 251, 253, 205)
 MOST_CONTACTS = 400
 
 
@@ -29,7 +29,7 @@ class Studio:
         size: Width and height, pixels.
         azimuth: Direction of the view, degrees about z; 0 looks along y.
         elevation: Height of the view, degrees above the horizon.
-        frames: Frames in which the picture contains all bodies in focus.
+        frames: Frames in which the picture contains all bodies in focus, and all arrows.
         focus: Names of these bodies; all by default.
         floor: Depth of the ground below all bodies if the recording has none, as a multiple of their height.
         fill: The fraction of the picture that the bodies fill.
@@ -38,6 +38,7 @@ class Studio:
         cut: Names of bodies that are drawn without their front quarter.
         quality: Fraction of the directions of light that are used; a smaller one is faster.
         legend: Whether to explain colors, arrows and lines.
+        labels: Texts and the places (3,) that they name.
     """
 
     def __init__(
@@ -56,12 +57,13 @@ class Studio:
         cut=(),
         quality=1.0,
         legend=True,
+        labels=None,
     ):
         stage = plan_stage([Lane("", recording)], up="+z")
         slabs = find_slabs(recording, stage, up="+z")
         colors = choose_colors(recording)
         self._recording, self._size, self._quality = recording, size, quality
-        self._cut, self._legend = cut, legend
+        self._cut, self._legend, self._labels = cut, legend, labels or {}
         self._bodies = [
             (make_surface(body.vertices, body.faces, color), body)
             for body, color in zip(recording.bodies, colors, strict=True)
@@ -76,18 +78,20 @@ class Studio:
             )
             for surface, body in self._bodies
         }
+        self._marked = MarkedContacts(recording, up="+z", limit=MOST_CONTACTS)
+        self._deepest = self._marked.deepest
+        self._strongest = self._marked.strongest if forces else 0.0
         seen = np.concatenate([places[name] for name in focus or places])
-        self.camera = place_camera(seen, size, azimuth=azimuth, elevation=elevation, fill=fill)
         low, high = np.min(seen, axis=0), np.max(seen, axis=0)
+        tips = [end for frame in frames for _, end in self._find_arrows(frame)]
+        seen = np.concatenate([seen, np.reshape(tips, (-1, 3))])
+        self.camera = place_camera(seen, size, azimuth=azimuth, elevation=elevation, fill=fill)
         if focus:
             low[2] = min(points[:, 2].min() for points in places.values())
         self.ground = low[2] - floor * (high[2] - low[2])
         if slabs:
             self.ground = max(slab.high[2] for slab in slabs.values())
         self.cell = nice_length(0.06 * float(np.linalg.norm(high - low)))
-        self._marked = MarkedContacts(recording, up="+z", limit=MOST_CONTACTS)
-        self._deepest = self._marked.deepest
-        self._strongest = self._marked.strongest if forces else 0.0
 
     def picture(self, frame=-1):
         """Return a PIL image of the bodies and contacts of a frame, with the legend."""
@@ -106,6 +110,7 @@ class Studio:
             skies=max(16, round(48 * self._quality)),
         )
         image = Image.fromarray(pixels)
+        self._write_labels(image)
         if self._legend:
             self._write_legend(image)
         return image
@@ -129,9 +134,8 @@ class Studio:
     def _find_marks(self, frame):
         """Return a ball for each contact, colored by its depth, and an arrow for each force."""
         found = self._marked.frame(frame)
-        arrows = found.arrows if self._strongest > 0.0 else ()
         radius = 0.01 * self._marked.body_size
-        marks = [make_arrow(a, b, radius, FORCE_COLOR) for a, b in arrows]
+        marks = [make_arrow(a, b, radius, FORCE_COLOR) for a, b in self._find_arrows(frame)]
         ball = trimesh.creation.icosphere(2, self._marked.ball)
         for point, color in zip(found.points, found.colors, strict=True):
             pose = np.eye(4)
@@ -139,12 +143,37 @@ class Studio:
             marks.append((make_surface(ball.vertices, ball.faces, tuple(color), dots=1), pose))
         return marks
 
+    def _find_arrows(self, frame):
+        """Return the ends of the arrow of each force."""
+        frame = frame % self._recording.frame_count
+        return self._marked.frame(frame).arrows if self._strongest > 0.0 else ()
+
+    def _write_labels(self, image):
+        """Name places of the scene: a dot at the place, a line down from it, and the text on a pale plate."""
+        width, height = self._size
+        pen, letter = ImageDraw.Draw(image, "RGBA"), max(11, height // 42)
+        font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), letter)
+        scale = 0.5 * height / self.camera.tangent
+        for text, place in self._labels.items():
+            right, up, back = self.camera.axes @ (np.asarray(place) - self.camera.position)
+            x, y = 0.5 * width - scale * right / back, 0.5 * height + scale * up / back
+            below, half = y + 3.0 * letter, 0.5 * pen.textlength(text, font) + 0.6 * letter
+            pen.line((x, y, x, below), INK, max(1, letter // 9))
+            pen.ellipse((x - 3, y - 3, x + 3, y + 3), INK)
+            box = (x - half, below - 0.9 * letter, x + half, below + 0.9 * letter)
+            pen.rectangle(box, PLATE)
+            pen.text((x, below), text, INK, font, anchor="mm")
+
     def _write_legend(self, image):
         """Explain colors, arrows and lines along the lower edge of the picture."""
         width, height = self._size
-        pen, letter = ImageDraw.Draw(image), max(11, height // 42)
+        pen, letter = ImageDraw.Draw(image, "RGBA"), max(11, height // 42)
         font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), letter)
         middle, left = height - 1.2 * letter, 1.0 * letter
+        for row in range(round(2.4 * letter)):  # a plate that fades out at its upper edge
+            strength = round(PLATE[3] * min(1.0, row / (0.6 * letter)))
+            place = height - round(2.4 * letter) + row
+            pen.line((0, place, width, place), (*PLATE[:3], strength))
         if self._deepest > 0.0:
             pen.text((left, middle), "contact depth 0", INK, font, anchor="lm")
             left += pen.textlength("contact depth 0", font) + 0.6 * letter

@@ -341,7 +341,8 @@ def _close(heights):
 def _light(bodies, ground, place, normal, body, seen, size, suns, skies):
     """Return the light from the sky (k, 3) and the visible fraction of the sun (k,) for the pixels seen.
 
-    One sample is lit for all of four similar samples of a pixel, and on the ground for sixteen.
+    One sample is lit for all of four similar samples of a pixel. On the ground it is one for sixteen, smoothed over
+    neighbors, because each sample of the light casts a shadow with a sharp edge.
     """
     center, radius = _find_sphere(bodies)
     row, column = seen // size[0], seen % size[0]
@@ -381,7 +382,30 @@ def _light(bodies, ground, place, normal, body, seen, size, suns, skies):
         direction = middle + away * (np.cos(angle) * around[0] + np.sin(angle) * around[1])
         direction /= np.linalg.norm(direction)
         sun[lit] += _cast(fine, lifted[lit], radius, direction, SUN_MAP) / suns
-    return sky[group.ravel()], sun[group.ravel()]
+    light = np.column_stack([sky, sun])
+    on, lit = body[seen] == -1, body[chosen] == -1
+    result = light[group.ravel()]
+    if on.any():
+        places = np.stack([row, column], axis=1)
+        result[on] = _smooth_over(places[first[lit]] // 4, light[lit], (places[on] + 0.5) / 4.0)
+    return result[:, :3], result[:, 3]
+
+
+def _smooth_over(cells, values, places, *, radius=2):
+    """Return values (n, 4) at places (n, 2) of a grid, smoothed, from those (k, 4) of some of its cells (k, 2)."""
+    shape = np.maximum(cells.max(axis=0), np.ceil(places.max(axis=0)).astype(int)) + 2 * radius + 2
+    sums = np.zeros((*shape, 5), np.float32)
+    sums[cells[:, 0], cells[:, 1], :4] = values
+    sums[cells[:, 0], cells[:, 1], 4] = 1.0
+    for axis in (0, 1, 0, 1):
+        sums = sum(np.roll(sums, shift, axis) for shift in range(-radius, radius + 1))
+    low = np.floor(places - 0.5).astype(np.int64)  # -1 is the empty rim at the other side
+    down, right = (places - 0.5 - low).astype(np.float32).T
+    found = np.zeros((len(places), 5), np.float32)
+    for i, across in ((0, 1.0 - down), (1, down)):
+        for j, along in ((0, 1.0 - right), (1, right)):
+            found += (across * along)[:, None] * sums[low[:, 0] + i, low[:, 1] + j]
+    return found[:, :4] / found[:, 4:]
 
 
 def _shade(place, normal, color, light, sun, camera, is_ground):

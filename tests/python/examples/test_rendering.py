@@ -108,3 +108,62 @@ def test_a_recording_is_drawn_with_a_legend_and_opened_where_it_is_told(tmp_path
     assert ((foot[..., 0] > foot[..., 2] + 80).any(axis=0)).sum() > 60, (
         "the bar of depths and the arrow"
     )
+
+
+@pytest.mark.usefixtures("examples")
+def test_shadows_on_the_ground_have_no_steps():
+    """Each sample of the light cast a shadow with an edge of its own."""
+    from rendering import make_surface, place_camera, render
+
+    ball = trimesh.creation.icosphere(3, 0.1)
+    surface = make_surface(ball.vertices, ball.faces, (40, 90, 200), dots=300_000)
+    pose = np.eye(4)
+    pose[2, 3] = 0.2
+    around = np.array([[0.05, 0.0, 0.0], [0.25, 0.2, 0.0]])  # its shadow
+    size = (240, 180)
+    camera = place_camera(around, size, elevation=80.0, azimuth=0.0, fill=0.9)
+    bodies = [(surface, pose)]
+    picture = render(bodies, camera, size, ground=0.0, suns=4, skies=8).astype(float).mean(axis=2)
+    ground = picture[:, 60:]  # right of the ball
+    assert np.ptp(ground) > 60.0
+    assert max(np.abs(np.diff(ground, axis=axis)).max() for axis in (0, 1)) < 10.0
+
+
+def studio_of(force: float, color: tuple[int, int, int], **view: object):
+    """A box of 10 cm on which a force acts, in front of a camera."""
+    from drawing import Studio
+    from voxshell.recording import BodyTrack, ContactTrack, Recording
+
+    box = trimesh.creation.box((0.1, 0.1, 0.1))
+    body = BodyTrack("box", box.vertices, box.faces, color, np.eye(4)[None])
+    contact = ([[0, 0, 0.05]], [[0, 0, 1]], [0.001], [[0, 0, force]])
+    recording = Recording(0.1, (body,), ContactTrack.from_frames([contact]))
+    return Studio(recording, size=(480, 300), quality=0.2, **view)
+
+
+@pytest.mark.usefixtures("examples")
+def test_arrows_are_within_the_picture():
+    studio = studio_of(3.0, (92, 141, 208))
+    ((_, tip),) = studio._find_arrows(0)
+    right, up, back = studio.camera.axes @ (tip - studio.camera.position)
+    across, upward = right / -back / studio.camera.tangent / 1.6, up / -back / studio.camera.tangent
+    assert tip[2] > 0.05  # beyond the box
+    assert max(abs(across), abs(upward)) < 0.9
+
+
+@pytest.mark.usefixtures("examples")
+def test_the_legend_is_read_in_front_of_dark_bodies():
+    picture = np.asarray(studio_of(3.0, (10, 10, 10), fill=3.0).picture(0), int)
+    assert np.median(picture[:250]) < 100
+    assert np.median(picture[-8:].min(axis=2)) > 180
+
+
+@pytest.mark.usefixtures("examples")
+def test_a_label_names_a_place():
+    plain, named = (
+        np.asarray(studio_of(0.0, (200, 200, 200), labels=labels).picture(0), int)
+        for labels in (None, {"a corner": (0.05, -0.05, 0.05)})
+    )
+    rows, columns = np.nonzero(np.abs(plain - named).max(axis=2) > 20)
+    assert 20 < np.ptp(rows) < 80
+    assert 40 < np.ptp(columns) < 120
