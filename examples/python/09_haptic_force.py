@@ -44,7 +44,7 @@ tell(
 touching = as_recording(
     [(rough, np.eye(4)), (probe, poses[-steps // 3])], vx.contacts(probe, rough, poses[-steps // 3])
 )
-draw(options.out / "picture.png", touching, elevation=20)
+draw(options.out / "picture.png", touching, elevation=20, focus=("1",), fill=0.6)
 lines = {axis: forces[:, number] for number, axis in enumerate("xyz")}
 milliseconds = np.arange(steps)
 plot(
