@@ -68,7 +68,7 @@ FILMS = {
             "azimuth": 32,
             "elevation": 20,
             "fill": 0.94,
-            "frames": (120, 240),
+            "frames": (68, 120, 240),
             "focus": ("gripper/boom", "gripper/wrist", "mug"),
             "cut": ("mug",),
         },
