@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "contact_constants.h"
 #include "second_shell.h"
@@ -30,6 +31,11 @@ constexpr std::array<Vec3, kBallIds> kStarts{{{0, 0, -1},
                                               {kThird, kThird, -kThird},
                                               {kThird, kThird, kThird}}};
 constexpr double kBetweenStarts = 0.63;
+/// By which the place where a ball meets a wall is halved.
+constexpr int kMeetSteps = 12;
+/// Of a hop, by which the wall is looked at behind that place.
+constexpr double kBehindMeeting = 0.5;
+constexpr int kMostWalls = 3;
 
 /// The first start that a direction is near to, or nearly as near as to the nearest, and that is
 /// not taken: what lies between two keeps one of them.
@@ -49,9 +55,9 @@ bool BallContacts::is_outside(const Ball& ball, const Vec3& direction) {
   return dot(direction, ball.out) >= -kCapRim;
 }
 
-void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair, double margin,
-                          const TouchScale& scale, std::vector<Contact>& contacts,
-                          std::vector<std::uint32_t>& exact) {
+void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
+                          const PairStep* step, double margin, const TouchScale& scale,
+                          std::vector<Contact>& contacts, std::vector<std::uint32_t>& exact) {
   field_ = SmoothField(pair.shell_side());
   const bool slides = scale.margin > 0.0;
   const double radius = slides ? scale.radius : features.front().radius;
@@ -60,6 +66,7 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
   balls_.clear();
   touches_.clear();
   const GridField& grid = pair.shell_side().model()->grid();
+  grid_ = &grid;
   const Vec3 middle = pair.field_from_shell().inverse().transform_point(pair.field_side().middle());
   for (std::size_t first = 0; first < features.size(); first += kBallIds) {
     const Feature ball = features[first];
@@ -86,6 +93,10 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
     // Between two walls, no way leads from the center to either. What is about the center of a ball
     // that is in the model is no wall that it lies on.
     if ((is_exact || !nearest) && of_center > 0.0) find_all(balls_.back(), first_touch, margin);
+    const std::size_t facing_count = touches_.size();
+    if (slides && step->uses_ccd && of_center > 0.0) {
+      find_on_the_way(balls_.back(), first_touch, *step);
+    }
     std::array<bool, kBallIds> is_taken{};
     for (std::size_t i = first_touch; i < touches_.size(); ++i) {
       const Facing& of = touches_[i];
@@ -95,7 +106,7 @@ void BallContacts::append(std::vector<Feature>& features, const PosedPair& pair,
       if (!nearest || i > first_touch) feature = {of.position, 0.0};
       const auto id = kFirstFeature + static_cast<std::uint32_t>(first + start);
       contacts.push_back(contact_of(feature, id, static_cast<Vec3f>(of.outwards), -of.distance));
-      if (is_exact) exact.push_back(id);
+      if (is_exact && i < facing_count) exact.push_back(id);
     }
   }
   std::ranges::sort(contacts, {}, &Contact::id);
@@ -131,6 +142,64 @@ void BallContacts::find_all(const Ball& ball, std::size_t first, double margin) 
     // Behind the center, it is the back of a wall.
     if (facing->distance <= -ball.radius || !is_outside(ball, -facing->outwards)) continue;
     touches_.push_back(*facing);
+  }
+}
+
+/// The wall that a ball meets first on a straight way, beside those of touches_ from the first one
+/// on.
+///
+/// @param so_far        How the ball has moved since the step began.
+/// @param displacement  From there; gets the part of it that the wall stops or that lies behind it.
+std::optional<Facing> BallContacts::meet(const Ball& ball, std::size_t first, Vec3& so_far,
+                                         Vec3& displacement) const {
+  const GridField& grid = *grid_;
+  const auto look = [&](double fraction) -> std::optional<Facing> {
+    const Vec3 moved = so_far + fraction * displacement;
+    const auto center = static_cast<Vec3f>(ball.center + moved);
+    const auto of_center = static_cast<double>(grid.distance(center));
+    if (!(of_center > 0.0 && of_center < ball.radius)) return std::nullopt;
+    const auto outwards = static_cast<Vec3>(normalized(grid.gradient(center)));
+    const auto is_known = [&](const Facing& touch) {
+      return dot(touch.outwards, outwards) > kTurnedCosine;
+    };
+    const auto known = std::span(touches_).subspan(first);
+    if (!(dot(outwards, displacement) < 0.0) || std::ranges::any_of(known, is_known)) {
+      return std::nullopt;
+    }
+    return Facing{ball.center - ball.radius * outwards, outwards,
+                  of_center - ball.radius - dot(outwards, moved)};
+  };
+  const double hops =
+      std::min(std::floor(length(displacement) / (kBallHop * ball.radius)), kMostBallHops);
+  for (double hop = 1.0; hop <= hops; ++hop) {
+    const auto there = look(hop / hops);
+    if (!there) continue;
+    double before = (hop - 1.0) / hops;
+    double after = hop / hops;
+    for (int i = 0; i < kMeetSteps; ++i) {
+      const double between = 0.5 * (before + after);
+      (look(between) ? after : before) = between;
+    }
+    // Where it begins to be nearer than others, the grid blends their normals.
+    const Facing met = look(std::min(after + kBehindMeeting / hops, 1.0)).value_or(*there);
+    so_far = so_far + after * displacement;
+    displacement = (1.0 - after) * displacement;
+    displacement = displacement - dot(displacement, met.outwards) * met.outwards;
+    return met;
+  }
+  return std::nullopt;
+}
+
+/// The walls that the ball meets on its way, each of which turns it aside: a ball that rolls across
+/// a bin does not face the wall on its other side before it is there.
+void BallContacts::find_on_the_way(const Ball& ball, std::size_t first, const PairStep& step) {
+  Vec3 so_far;
+  Vec3 displacement =
+      -step.time_step * (step.motion.velocity_at(ball.center) + step.motion.velocity_of_fall);
+  for (int wall = 0; wall < kMostWalls && touches_.size() - first < kBallIds; ++wall) {
+    const auto met = meet(ball, first, so_far, displacement);
+    if (!met) return;
+    touches_.push_back(*met);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "face_field.h"
 #include "flat_elements.h"
+#include "pair_step.h"
 #include "posed_pair.h"
 #include "shape_features.h"
 #include "smooth_field.h"
@@ -20,11 +21,12 @@ class BallContacts {
   ///
   /// @param features  Of find_features(); that of each contact is made what is to be followed: the
   /// ball where it is nearest to the model, and places of it elsewhere.
+  /// @param step      Null in contact tests, whose scale has a margin of 0.
   /// @param scale     By which contacts are one; with a margin of 0, only the nearest is appended
   /// where there is one.
   /// @param exact     To which the ids of those are added that face the model's surface.
-  void append(std::vector<Feature>& features, const PosedPair& pair, double margin,
-              const TouchScale& scale, std::vector<Contact>& contacts,
+  void append(std::vector<Feature>& features, const PosedPair& pair, const PairStep* step,
+              double margin, const TouchScale& scale, std::vector<Contact>& contacts,
               std::vector<std::uint32_t>& exact);
 
   /// Drops the contacts of the model's shell from which a ball's surface leads to one of the
@@ -45,10 +47,14 @@ class BallContacts {
   std::optional<Facing> face(const Ball& ball, const Vec3& direction);
   bool is_known(std::size_t first, const Vec3& position) const;
   void find_all(const Ball& ball, std::size_t first, double margin);
+  std::optional<Facing> meet(const Ball& ball, std::size_t first, Vec3& so_far,
+                             Vec3& displacement) const;
+  void find_on_the_way(const Ball& ball, std::size_t first, const PairStep& step);
 
   SmoothField field_;
-  double same_within_ = 0.0;      ///< meters
-  double followed_within_ = 0.0;  ///< meters
+  const GridField* grid_ = nullptr;  ///< the model's
+  double same_within_ = 0.0;         ///< meters
+  double followed_within_ = 0.0;     ///< meters
   std::vector<Ball> balls_;
   std::vector<Facing> touches_;
   std::vector<Vec3> edges_;  ///< places of contacts

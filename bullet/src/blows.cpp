@@ -63,16 +63,28 @@ btScalar size_of(const btRigidBody& a, const btRigidBody& b) {
 
 }  // namespace
 
-void Blows::clear() {
+bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
+               btScalar time_step) {
+  const btScalar closing = -speed_apart(a, b, point) * time_step;
+  return closing > gap_of(point) + static_cast<btScalar>(kCheckedOfSize) * size_of(a, b);
+}
+
+void Blows::begin(btDispatcher& dispatcher, btScalar time_step) {
   found_.clear();
   kept_.clear();
   changed_.clear();
+  islands_.clear();
+  visit_points(dispatcher, [&](btRigidBody& a, btRigidBody& b, btManifoldPoint& point) {
+    if (gCalculateCombinedRestitutionCallback(&a, &b) > 0) let_part(a, b, point, time_step);
+  });
 }
 
-void Blows::find(btDispatcher& dispatcher, std::span<const btCollisionObject* const> faster,
+void Blows::find(btDispatcher& dispatcher, std::span<btRigidBody* const> faster,
                  btScalar time_step) {
+  faster_.assign(faster.begin(), faster.end());
+  std::ranges::sort(faster_);
   const auto is_faster = [&](const btCollisionObject& body) {
-    return std::ranges::binary_search(faster, &body);
+    return std::ranges::binary_search(faster_, &body);
   };
   found_.clear();
   islands_.clear();
@@ -94,22 +106,17 @@ void Blows::find(btDispatcher& dispatcher, std::span<const btCollisionObject* co
 bool Blows::restore(btScalar time_step) {
   give_back();
   const bool has_come_back = std::ranges::any_of(changed_, [&](const Changed& changed) {
-    const btScalar closing = -speed_apart(*changed.a, *changed.b, *changed.point) * time_step;
-    const btScalar least = static_cast<btScalar>(kCheckedOfSize) * size_of(*changed.a, *changed.b);
-    return closing > gap_of(*changed.point) + least;
+    return is_passed(*changed.a, *changed.b, *changed.point, time_step);
   });
   changed_.clear();
   return has_come_back;
 }
 
 void Blows::keep(btDispatcher& dispatcher, btScalar time_step) {
-  const auto is_struck = [&](const btRigidBody& body) {
-    return std::ranges::binary_search(islands_, body.getIslandTag());
-  };
   for (const Blow& blow : found_) let_return(blow, time_step);
   // What was found after the solution, too.
   visit_points(dispatcher, [&](btRigidBody& a, btRigidBody& b, btManifoldPoint& point) {
-    if (is_struck(a) || is_struck(b)) let_part(a, b, point, time_step);
+    if (reach(a) || reach(b)) let_part(a, b, point, time_step);
   });
   for (const Blow& blow : found_) {
     blow.point->m_appliedImpulse = 0;
@@ -145,6 +152,20 @@ void Blows::give_back() {
     changed.point->setDistance(changed.distance);
     changed.point->m_combinedRestitution = changed.restitution;
   }
+}
+
+void Blows::stop(btDispatcher& dispatcher) {
+  give_back();
+  changed_.clear();
+  visit_points(dispatcher, [&](btRigidBody& a, btRigidBody& b, btManifoldPoint& point) {
+    if (!reach(a) && !reach(b)) return;
+    changed_.push_back({&a, &b, &point, point.getDistance(), point.m_combinedRestitution});
+    point.m_combinedRestitution = 0;
+  });
+}
+
+bool Blows::reach(const btRigidBody& body) const {
+  return std::ranges::binary_search(islands_, body.getIslandTag());
 }
 
 void Blows::strike() const {

@@ -9,6 +9,10 @@
 
 namespace voxshell::bullet {
 
+/// Whether two bodies, as they move, pass a contact's gap within the step, by enough to matter.
+bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
+               btScalar time_step);
+
 /// Passes blows on from body to body in a step that is solved several times.
 ///
 /// A ball that is hit flies into the next one within the step. The second blow begins with the
@@ -19,18 +23,24 @@ namespace voxshell::bullet {
 /// add energy. Those that have come back rebound in the solution after it.
 class Blows {
  public:
-  /// Forgets those of the last step.
-  void clear();
-  /// Finds what contacts gave in islands in which one of the bodies `faster`, by address, has
-  /// rebounded. Bodies have the velocities that the solution began with.
-  void find(btDispatcher& dispatcher, std::span<const btCollisionObject* const> faster,
-            btScalar time_step);
+  /// Forgets those of the last step, and lets bodies part that can rebound from each other. Bodies
+  /// have the velocities from before the step.
+  void begin(btDispatcher& dispatcher, btScalar time_step);
+  /// Whether contacts are changed for the solution.
+  bool has_changed() const { return !changed_.empty(); }
+  /// Finds what contacts gave in islands in which one of the bodies `faster` has rebounded.
+  /// Bodies have the velocities that the solution began with.
+  void find(btDispatcher& dispatcher, std::span<btRigidBody* const> faster, btScalar time_step);
   /// Gives contacts back what keep() changed, and returns whether bodies that had parted have come
   /// back through their gap. Bodies have the velocities that the solver found.
   bool restore(btScalar time_step);
   /// Keeps what find() found, and changes contacts for the next solution. Bodies have the
   /// velocities that the solver found.
   void keep(btDispatcher& dispatcher, btScalar time_step);
+  /// Changes contacts for the last solution: nothing rebounds or passes its gap any more.
+  void stop(btDispatcher& dispatcher);
+  /// Whether blows are passed on in the body's island.
+  bool reach(const btRigidBody& body) const;
   /// Gives all that was kept to the bodies, which have the velocities from before the step.
   void strike() const;
   /// Gives contacts the impulses of all solutions, and back what keep() changed.
@@ -60,9 +70,10 @@ class Blows {
                 btScalar time_step);
   void give_back();
 
-  std::vector<int> islands_;  ///< with blows, ascending
-  std::vector<Blow> found_;   ///< of the last solution
-  std::vector<Blow> kept_;    ///< of those before
+  std::vector<const btCollisionObject*> faster_;  ///< by address
+  std::vector<int> islands_;                      ///< with blows, ascending
+  std::vector<Blow> found_;                       ///< of the last solution
+  std::vector<Blow> kept_;                        ///< of those before
   std::vector<Changed> changed_;
 };
 

@@ -1,6 +1,7 @@
 #include "voxshell/bullet/checked_motion.h"
 
 #include <algorithm>
+#include <map>
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -10,62 +11,11 @@
 #include "blows.h"
 #include "compound_algorithm.h"
 #include "contact_constants.h"
+#include "solved_motion_search.h"
 #include "step_end.h"
 
 namespace voxshell::bullet {
 namespace {
-
-/// Makes a body's bounds hold its motion within the step, too.
-void extend_bounds(btRigidBody& body, btScalar time_step, btBroadphaseInterface& broadphase,
-                   btDispatcher& dispatcher) {
-  btTransform there;
-  body.predictIntegratedTransform(time_step, there);
-  btVector3 least;
-  btVector3 most;
-  body.getCollisionShape()->getAabb(there, least, most);
-  btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
-  least.setMin(proxy->m_aabbMin);
-  most.setMax(proxy->m_aabbMax);
-  broadphase.setAabb(proxy, least, most, &dispatcher);
-}
-
-int count_points(btBroadphasePair& pair) {
-  if (pair.m_algorithm == nullptr) return 0;
-  btManifoldArray manifolds;
-  pair.m_algorithm->getAllContactManifolds(manifolds);
-  int count = 0;
-  for (int i = 0; i < manifolds.size(); ++i) count += manifolds[i]->getNumContacts();
-  return count;
-}
-
-/// Searches for contacts of pairs that had none.
-class SearchAgain : public btOverlapCallback {
- public:
-  /// @param faster  By address.
-  SearchAgain(const std::vector<const btCollisionObject*>& faster,
-              btCollisionDispatcher& dispatcher, const btDispatcherInfo& info)
-      : faster_(faster), dispatcher_(dispatcher), info_(info) {}
-
-  bool processOverlap(btBroadphasePair& pair) override {
-    const auto* const a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-    const auto* const b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if (!std::ranges::binary_search(faster_, a) && !std::ranges::binary_search(faster_, b))
-      return false;
-    if (!has_model(*a->getCollisionShape()) && !has_model(*b->getCollisionShape())) return false;
-    if (count_points(pair) > 0) return false;
-    dispatcher_.getNearCallback()(pair, dispatcher_, info_);
-    has_found_ = has_found_ || count_points(pair) > 0;
-    return false;  // the pair stays
-  }
-
-  bool has_found() const { return has_found_; }
-
- private:
-  const std::vector<const btCollisionObject*>& faster_;
-  btCollisionDispatcher& dispatcher_;
-  const btDispatcherInfo& info_;
-  bool has_found_ = false;
-};
 
 /// Searches for contacts of bodies that turn into each other.
 class SearchEnds : public btOverlapCallback {
@@ -103,6 +53,14 @@ btVector3 divide(const btVector3& v, const btVector3& factor) {
   return {by(v.x(), factor.x()), by(v.y(), factor.y()), by(v.z(), factor.z())};
 }
 
+/// Kinetic, J.
+btScalar energy_of(const btRigidBody& body, btScalar speed, const btVector3& angular_velocity) {
+  const btVector3 spin = body.getWorldTransform().getBasis().transpose() * angular_velocity;
+  const btVector3 turning = divide(spin * spin, body.getInvInertiaDiagLocal());
+  return btScalar(0.5) *
+         (speed * speed / body.getInvMass() + turning.x() + turning.y() + turning.z());
+}
+
 }  // namespace
 
 CheckedMotion::State CheckedMotion::State::of(const btRigidBody& body) {
@@ -120,21 +78,26 @@ CheckedMotion::State CheckedMotion::Checked::go_on() const {
 }
 
 CheckedMotion::CheckedMotion()
-    : blows_(std::make_unique<Blows>()), step_end_(std::make_unique<StepEnd>()) {}
+    : blows_(std::make_unique<Blows>()),
+      search_(std::make_unique<SolvedMotionSearch>()),
+      step_end_(std::make_unique<StepEnd>()) {}
 
 CheckedMotion::~CheckedMotion() = default;
 
-void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies) {
+void CheckedMotion::begin(const btAlignedObjectArray<btRigidBody*>& bodies,
+                          btDispatcher& dispatcher, btScalar time_step) {
   solutions_ = 1;
   solutions_of_turns_ = 0;
+  stopped_.clear();
   all_.clear();
-  blows_->clear();
+  blows_->begin(dispatcher, time_step);
   for (int i = 0; i < bodies.size(); ++i) {
     btRigidBody& body = *bodies[i];
     // Those that sleep, too: the solver wakes what is hit.
     if (!(body.getInvMass() > 0)) continue;
     const State before = State::of(body);
-    all_.push_back({&body, before, before, before, body.getTotalForce(), body.getTotalTorque()});
+    all_.push_back(
+        {&body, before, before, before, body.getTotalForce(), body.getTotalTorque(), false});
   }
 }
 
@@ -166,7 +129,47 @@ bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatche
     return true;
   }
   blows_->finish();
+  if (solutions_ == kMostSolutions) find_stopped(info.m_timeStep);
   return false;
+}
+
+/// Finds what the last solution, which was solved for that, took from bodies. Friction at several
+/// walls at once may have given an island energy: that is not given back.
+void CheckedMotion::find_stopped(btScalar time_step) {
+  struct Energies {
+    btScalar before = 0;
+    btScalar after = 0;
+  };
+  std::map<int, Energies> by_island;
+  for (const Checked& checked : all_) {
+    const btRigidBody& body = *checked.body;
+    if (!blows_->reach(body)) continue;
+    const btScalar by_forces = body.getInvMass() * time_step * body.getTotalForce().length();
+    Energies& of = by_island[body.getIslandTag()];
+    of.before += energy_of(body, checked.before.linear_velocity.length() + by_forces,
+                           checked.before.angular_velocity);
+    of.after +=
+        energy_of(body, checked.solved.linear_velocity.length(), checked.solved.angular_velocity);
+  }
+  for (const Checked& checked : all_) {
+    const btRigidBody& body = *checked.body;
+    if (!blows_->reach(body)) continue;
+    const Energies& of = by_island[body.getIslandTag()];
+    const btScalar kept = of.after > of.before ? btSqrt(of.before / of.after) : btScalar(1);
+    stopped_.push_back({checked.body,
+                        kept * checked.solved.linear_velocity - body.getLinearVelocity(),
+                        kept * checked.solved.angular_velocity - body.getAngularVelocity()});
+  }
+}
+
+void CheckedMotion::drop_added() { search_->drop_added(); }
+
+void CheckedMotion::release() {
+  for (const Stopped& stopped : stopped_) {
+    stopped.body->setLinearVelocity(stopped.body->getLinearVelocity() + stopped.linear);
+    stopped.body->setAngularVelocity(stopped.body->getAngularVelocity() + stopped.angular);
+  }
+  stopped_.clear();
 }
 
 /// Looks for contacts. If the step is to be solved again, bodies are as the next solution is to
@@ -176,12 +179,13 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
   faster_.clear();
   for (Checked& checked : all_) {
     checked.solved = State::of(*checked.body);
-    if (is_faster(checked, info.m_timeStep)) faster_.push_back(checked.body);
+    // One that has come back may be as fast as before the step, but elsewhere.
+    checked.is_faster = checked.is_faster || is_faster(checked, info.m_timeStep);
+    if (checked.is_faster) faster_.push_back(checked.body);
   }
   const bool has_turned = find_turned(broadphase, dispatcher, info);
-  if (faster_.empty() && !has_turned) return false;
+  if (faster_.empty() && !has_turned && !blows_->has_changed()) return false;
   for (const Checked& checked : all_) checked.start.put_on(*checked.body);
-  std::ranges::sort(faster_);
   blows_->find(dispatcher, faster_, info.m_timeStep);
   for (const Checked& checked : all_) {
     // Their velocity has what forces add.
@@ -189,9 +193,13 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
     checked.body->clearForces();
   }
   const bool has_come_back = blows_->restore(info.m_timeStep);
-  const bool has_found = search(broadphase, dispatcher, info);
+  const bool has_found =
+      search_->find(faster_, broadphase, static_cast<btCollisionDispatcher&>(dispatcher), info);
   const bool is_unfinished = has_found || has_come_back || has_turned;
-  if (is_unfinished) blows_->keep(dispatcher, info.m_timeStep);
+  if (is_unfinished) {
+    blows_->keep(dispatcher, info.m_timeStep);
+    if (solutions_ == kMostSolutions - 1) blows_->stop(dispatcher);
+  }
   for (const Checked& checked : all_) {
     (is_unfinished ? checked.before : checked.solved).put_on(*checked.body);
     checked.body->applyCentralForce(divide(checked.force, checked.body->getLinearFactor()));
@@ -216,16 +224,4 @@ bool CheckedMotion::find_turned(btBroadphaseInterface& broadphase, btDispatcher&
 }
 
 /// Looks for contacts of bodies that are faster, in pairs that have none.
-bool CheckedMotion::search(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-                           const btDispatcherInfo& info) const {
-  for (const Checked& checked : all_) {
-    if (!std::ranges::binary_search(faster_, checked.body)) continue;
-    extend_bounds(*checked.body, info.m_timeStep, broadphase, dispatcher);
-  }
-  broadphase.calculateOverlappingPairs(&dispatcher);
-  SearchAgain search(faster_, static_cast<btCollisionDispatcher&>(dispatcher), info);
-  broadphase.getOverlappingPairCache()->processAllOverlappingPairs(&search, &dispatcher, info);
-  return search.has_found();
-}
-
 }  // namespace voxshell::bullet

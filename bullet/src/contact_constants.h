@@ -42,6 +42,11 @@ inline constexpr double kCcdReach = 2.0;
 /// fraction, and those of wider bodies by less. Smaller: rods that fall flat go into the ground.
 /// Larger: slower.
 inline constexpr double kAddedOfDisplacement = 0.5;
+/// Balls of Bullet's are looked at in places of their way that are as many radii apart. Larger:
+/// they pass thin walls. Smaller: slower.
+inline constexpr double kBallHop = 0.5;
+/// And in at most so many places. Smaller: tiny ones that are fast pass walls. Larger: slower.
+inline constexpr double kMostBallHops = 64.0;
 /// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
 /// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
 inline constexpr double kMostReachingTurn = 0.5;

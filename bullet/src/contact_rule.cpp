@@ -63,6 +63,10 @@ void mark_met_without_ccd(const PairStep& step, std::span<const Contact> contact
   }
 }
 
+bool is_ball(const Field& field) {
+  return std::holds_alternative<SphereField>(field) || std::holds_alternative<CapsuleField>(field);
+}
+
 /// What a contact that does not touch where it is becomes in a step with CCD.
 struct Followed {
   Contact plane;
@@ -131,7 +135,9 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
       touch(contact, contact);
       continue;
     }
-    const bool hits_later = std::ranges::binary_search(hits, contact.id);
+    // Features are few: each may meet another wall than the one that it is nearest to now.
+    const bool hits_later =
+        contact.id >= kFirstFeature || std::ranges::binary_search(hits, contact.id);
     const bool is_exact = std::ranges::binary_search(exact, contact.id);
     if (!step.uses_ccd || !(is_exact || hits_later || !is_steep(step, contact))) continue;
     const auto followed = follow(step, features, contact, impact, hits_later);
@@ -146,7 +152,12 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (is_exact && followed->touches && slides) {
       sliding = find_sliding(step, step.motion, contact, 1.0);
     }
-    Contact judged = stays ? contact : followed->plane;
+    // A place of a ball that will touch may come through another wall before, straight on.
+    const bool is_behind =
+        contact.id >= kFirstFeature && followed->touches && is_ball(step.pair->field()) &&
+        closing_of(step, impact) >= impact.gap &&
+        dot(contact.normal, followed->plane.normal) < static_cast<float>(kTurnedCosine);
+    Contact judged = stays || is_behind ? contact : followed->plane;
     // If the places are farther apart than what the bodies pass each other, they were not found.
     const bool is_known =
         sliding && sliding->faces && length(sliding->aside) <= kMostAside * sliding->passed;

@@ -367,8 +367,8 @@ void ContactSearch::append_features(const Question& question, const PosedPair& p
   find_features(pair, features_);
   if (features_.empty()) return;
   if (features_.front().radius > 0.0) {
-    balls_.append(features_, pair, question.reach, question.slides ? question.touch : TouchScale{},
-                  contacts_, exact_);
+    balls_.append(features_, pair, question.step, question.reach,
+                  question.slides ? question.touch : TouchScale{}, contacts_, exact_);
     if (question.slides) balls_.drop_covered(contacts_, pair.shell(), exact_);
   } else {
     append_feature_contacts(features_, pair, question.reach, contacts_);

@@ -5,13 +5,13 @@
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
-#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace voxshell::bullet {
 
 class Blows;
+class SolvedMotionSearch;
 class StepEnd;
 
 /// Looks along the motion that the solver has found for bodies that it made fast, and for bodies
@@ -21,7 +21,8 @@ class StepEnd;
 /// with a lever and a blow of another body move places within the step that were at rest before
 /// it, and these end in bodies that they had no contact with
 /// (docs/decisions/0063-motion-is-checked.md). Bodies that have contacts may turn into each other
-/// (docs/decisions/0066-bodies-that-turn-into-each-other.md).
+/// (docs/decisions/0066-bodies-that-turn-into-each-other.md). What rebounds several times within a
+/// step is passed on from wall to wall (docs/decisions/0068-rebounds-within-a-step.md).
 class CheckedMotion {
  public:
   CheckedMotion();
@@ -30,13 +31,22 @@ class CheckedMotion {
   CheckedMotion& operator=(const CheckedMotion&) = delete;
 
   /// Call it before the solver, with the world's bodies.
-  void begin(const btAlignedObjectArray<btRigidBody*>& bodies);
+  void begin(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
+             btScalar time_step);
 
   /// Call it after the solver, until it returns false. While contacts are found that the solver
   /// does not know, they are in manifolds, and bodies are as in begin(), with the velocities that
   /// blows have given them: solve again. Else bodies are as the solver left them.
   bool find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info);
+
+  /// Call it once bodies have moved. Those that would have hit more within the step than it was
+  /// solved for have stopped at what they would have hit next, and get back their velocities.
+  void release();
+
+  /// Forgets contacts that find_contacts() added to those of a pair. Call it before the next step
+  /// looks for contacts, and before a body is removed.
+  void drop_added();
 
  private:
   struct State {
@@ -54,22 +64,31 @@ class CheckedMotion {
     State solved;
     btVector3 force;
     btVector3 torque;
+    bool is_faster;  ///< in any solution of the step
 
     /// Where the step begins, as the solver has it move.
     State go_on() const;
   };
 
+  /// What the last solution took from a body.
+  struct Stopped {
+    btRigidBody* body;
+    btVector3 linear;
+    btVector3 angular;
+  };
+
   static bool is_faster(const Checked& checked, btScalar time_step);
   bool is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info);
+  void find_stopped(btScalar time_step);
   bool find_turned(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                    const btDispatcherInfo& info);
-  bool search(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-              const btDispatcherInfo& info) const;
 
   std::vector<Checked> all_;
-  std::vector<const btCollisionObject*> faster_;  ///< bodies that the solver made fast, by address
+  std::vector<Stopped> stopped_;
+  std::vector<btRigidBody*> faster_;  ///< bodies that the solver made fast
   std::unique_ptr<Blows> blows_;
+  std::unique_ptr<SolvedMotionSearch> search_;
   std::unique_ptr<StepEnd> step_end_;
   int solutions_ = 0;           ///< of the step
   int solutions_of_turns_ = 0;  ///< of these, with contacts of bodies that turn
@@ -82,15 +101,34 @@ class CheckedMotionWorld : public World {
  public:
   using World::World;
 
+  void removeRigidBody(btRigidBody* body) override {
+    checked_.drop_added();
+    World::removeRigidBody(body);
+  }
+  void removeCollisionObject(btCollisionObject* object) override {
+    checked_.drop_added();
+    World::removeCollisionObject(object);
+  }
+
  protected:
   void solveConstraints(btContactSolverInfo& info) override {
-    checked_.begin(this->m_nonStaticRigidBodies);
+    checked_.begin(this->m_nonStaticRigidBodies, *this->getDispatcher(), info.m_timeStep);
     World::solveConstraints(info);
     while (checked_.find_contacts(*this->getBroadphase(), *this->getDispatcher(),
                                   this->getDispatchInfo())) {
       this->calculateSimulationIslands();
       World::solveConstraints(info);
     }
+  }
+
+  void predictUnconstraintMotion(btScalar time_step) override {
+    checked_.drop_added();
+    World::predictUnconstraintMotion(time_step);
+  }
+
+  void integrateTransforms(btScalar time_step) override {
+    World::integrateTransforms(time_step);
+    checked_.release();
   }
 
  private:
