@@ -171,10 +171,10 @@ std::optional<Facing> BallContacts::meet(const Ball& ball, std::size_t first, Ve
   };
   const double hops =
       std::min(std::floor(length(displacement) / (kBallHop * ball.radius)), kMostBallHops);
-  for (double hop = 1.0; hop <= hops; ++hop) {
+  for (int hop = 1; hop <= static_cast<int>(hops); ++hop) {
     const auto there = look(hop / hops);
     if (!there) continue;
-    double before = (hop - 1.0) / hops;
+    double before = (hop - 1) / hops;
     double after = hop / hops;
     for (int i = 0; i < kMeetSteps; ++i) {
       const double between = 0.5 * (before + after);

@@ -64,9 +64,9 @@ btScalar size_of(const btRigidBody& a, const btRigidBody& b) {
 }  // namespace
 
 bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
-               btScalar time_step) {
+               btScalar time_step, double of_size) {
   const btScalar closing = -speed_apart(a, b, point) * time_step;
-  return closing > gap_of(point) + static_cast<btScalar>(kCheckedOfSize) * size_of(a, b);
+  return closing > gap_of(point) + static_cast<btScalar>(of_size) * size_of(a, b);
 }
 
 void Blows::begin(btDispatcher& dispatcher, btScalar time_step) {
@@ -106,7 +106,7 @@ void Blows::find(btDispatcher& dispatcher, std::span<btRigidBody* const> faster,
 bool Blows::restore(btScalar time_step) {
   give_back();
   const bool has_come_back = std::ranges::any_of(changed_, [&](const Changed& changed) {
-    return is_passed(*changed.a, *changed.b, *changed.point, time_step);
+    return is_passed(*changed.a, *changed.b, *changed.point, time_step, kReturnedOfSize);
   });
   changed_.clear();
   return has_come_back;

@@ -9,9 +9,10 @@
 
 namespace voxshell::bullet {
 
-/// Whether two bodies, as they move, pass a contact's gap within the step, by enough to matter.
+/// Whether two bodies, as they move, pass a contact's gap within the step by more than a fraction
+/// of the smaller one's size.
 bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
-               btScalar time_step);
+               btScalar time_step, double of_size);
 
 /// Passes blows on from body to body in a step that is solved several times.
 ///

@@ -522,6 +522,9 @@ inline constexpr double kTurnedCosine = 0.70710678118654752;
 inline constexpr double kCheckedOfSize = 0.01;
 /// And farther by this fraction of what was expected, as guards look about as far again.
 inline constexpr double kCheckedOfExpected = 0.5;
+/// Bodies that have parted come back by more than this fraction of the smaller one's size. Smaller:
+/// steps are solved again for rounding. Larger: corners of what rebounds end the step as deep.
+inline constexpr double kReturnedOfSize = 0.0005;
 /// How often a step is solved at most. Fewer: at low rates a blow passes through fewer balls of a
 /// row within a step, and they end in each other. Larger: heaps of elastic bodies take longer.
 inline constexpr int kMostSolutions = 9;

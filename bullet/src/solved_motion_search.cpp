@@ -9,6 +9,7 @@
 
 #include "blows.h"
 #include "compound_algorithm.h"
+#include "contact_constants.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -44,7 +45,8 @@ bool pass_contact(btCollisionAlgorithm& algorithm, btScalar time_step) {
     const btRigidBody& first = *btRigidBody::upcast(manifolds[m]->getBody0());
     const btRigidBody& second = *btRigidBody::upcast(manifolds[m]->getBody1());
     for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
-      if (is_passed(first, second, manifolds[m]->getContactPoint(i), time_step)) return true;
+      if (is_passed(first, second, manifolds[m]->getContactPoint(i), time_step, kCheckedOfSize))
+        return true;
     }
   }
   return false;
