@@ -29,12 +29,13 @@
       sharpness = wanted;
     }
 
-    // The edges of shadows are as sharp as a texel until they are told to be soft.
+    // The edges of shadows are as sharp as a texel until they are told to be soft. Within the radius of that, surfaces
+    // that lean would shade themselves, in dots.
     function softenShadows(player) {
       player.scene.traverse((object) => {
         if (!object.isDirectionalLight || !object.castShadow || object.shadow.radius === 5) return;
         object.shadow.radius = 5;
-        object.shadow.normalBias = 0.02;
+        object.shadow.normalBias = 0.06;
         player.requestRender();
       });
     }
