@@ -149,7 +149,7 @@ void BallContacts::find_all(const Ball& ball, std::size_t first, double margin) 
 /// on.
 ///
 /// @param so_far        How the ball has moved since the step began.
-/// @param displacement  From there; gets the part of it that the wall stops or that lies behind it.
+/// @param displacement  From there; gets what the wall leaves of the rest of it.
 std::optional<Facing> BallContacts::meet(const Ball& ball, std::size_t first, Vec3& so_far,
                                          Vec3& displacement) const {
   const GridField& grid = *grid_;
