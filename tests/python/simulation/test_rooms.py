@@ -66,9 +66,9 @@ def add_walls(world, room, restitution):
         world.add(shape, pose=place, **look)
 
 
-def throw(kind, room, restitution, speed, rate, seed, gravity=(0, 0, 0)):
+def throw(kind, room, restitution, speed, rate, seed):
     rng = np.random.default_rng(seed)
-    world = vx.World(1 / rate, gravity=gravity)
+    world = vx.World(1 / rate, gravity=(0, 0, 0))
     add_walls(world, room, restitution)
     body = world.add(build_shape(kind), mass=MASS, restitution=restitution, friction=0.3)
     way = rng.normal(size=3)
