@@ -14,6 +14,7 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "deep_on_the_way.h"
 #include "impact.h"
 #include "kept_contacts.h"
 #include "of_this_thread.h"
@@ -138,6 +139,13 @@ struct ModelAlgorithm::Near {
 
 bool ModelAlgorithm::has_searched() const {
   return near_ != nullptr && near_->prepared && !near_->prepared->carries_on;
+}
+
+bool ModelAlgorithm::may_be_deep_on_the_way(const btCollisionObjectWrapper& a,
+                                            const btCollisionObjectWrapper& b, double time_step,
+                                            double depth) const {
+  const PosedPair pair(a, b, hull_.get(), settings_.shell);
+  return bullet::may_be_deep_on_the_way(pair, time_step, depth);
 }
 
 void ModelAlgorithm::processCollision(const btCollisionObjectWrapper* a,

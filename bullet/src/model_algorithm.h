@@ -53,6 +53,10 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void drop_prepared() { is_prepared_ = false; }
   /// Whether the bodies were near each other in the last step.
   bool is_near() const { return near_ != nullptr; }
+  /// Whether the bodies, as they move now, may come to be deeper in each other within the step than
+  /// `depth`, meters; a quick look that finds no contacts.
+  bool may_be_deep_on_the_way(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b,
+                              double time_step, double depth) const;
   /// Whether the last step searched for contacts, which takes a while.
   bool has_searched() const;
 

@@ -1,6 +1,7 @@
 #include "solved_motion_search.h"
 
 #include <algorithm>
+#include <typeinfo>
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -10,6 +11,7 @@
 #include "blows.h"
 #include "compound_algorithm.h"
 #include "contact_constants.h"
+#include "model_algorithm.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -72,7 +74,7 @@ class SolvedMotionSearch::Callback : public btOverlapCallback {
     if (count_points(pair) > 0) {
       const bool may_add = btRigidBody::upcast(a) != nullptr && btRigidBody::upcast(b) != nullptr &&
                            dispatcher_.needsResponse(a, b) && !passes_known(pair, *a, *b);
-      has_found_ = (may_add && add(*a, *b)) || has_found_;
+      has_found_ = (may_add && add(*pair.m_algorithm, *a, *b)) || has_found_;
       return false;
     }
     dispatcher_.getNearCallback()(pair, dispatcher_, info_);
@@ -93,11 +95,21 @@ class SolvedMotionSearch::Callback : public btOverlapCallback {
            });
   }
 
-  bool add(btCollisionObject& a, btCollisionObject& b) {
+  /// @param known  The algorithm of the pair.
+  bool add(const btCollisionAlgorithm& known, btCollisionObject& a, btCollisionObject& b) {
     const btCollisionObjectWrapper wrap_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(),
                                           -1, -1);
     const btCollisionObjectWrapper wrap_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(),
                                           -1, -1);
+    if (typeid(known) == typeid(ModelAlgorithm)) {
+      const btScalar size = std::min(a.getCollisionShape()->getAngularMotionDisc(),
+                                     b.getCollisionShape()->getAngularMotionDisc());
+      const double least = kDeepOfChecked * kCheckedOfSize * static_cast<double>(size);
+      if (!static_cast<const ModelAlgorithm&>(known).may_be_deep_on_the_way(
+              wrap_a, wrap_b, static_cast<double>(info_.m_timeStep), least)) {
+        return false;
+      }
+    }
     btCollisionAlgorithm* const algorithm =
         dispatcher_.findAlgorithm(&wrap_a, &wrap_b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
     if (algorithm == nullptr) return false;
