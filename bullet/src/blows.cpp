@@ -168,17 +168,6 @@ bool Blows::reach(const btRigidBody& body) const {
   return std::ranges::binary_search(islands_, body.getIslandTag());
 }
 
-void Blows::strike() const {
-  for (const Blow& blow : kept_) {
-    const btManifoldPoint& point = *blow.point;
-    const btVector3 impulse = blow.normal * point.m_normalWorldOnB +
-                              blow.lateral_1 * point.m_lateralFrictionDir1 +
-                              blow.lateral_2 * point.m_lateralFrictionDir2;
-    blow.a->applyImpulse(impulse, point.m_positionWorldOnA - blow.a->getCenterOfMassPosition());
-    blow.b->applyImpulse(-impulse, point.m_positionWorldOnB - blow.b->getCenterOfMassPosition());
-  }
-}
-
 void Blows::finish() {
   give_back();
   for (const Blow& blow : kept_) {

@@ -18,10 +18,11 @@ bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint
 ///
 /// A ball that is hit flies into the next one within the step. The second blow begins with the
 /// velocities that the first one left, and what it gives is not taken back: solved at once with
-/// the first, two balls would be hit as one heavy ball. So each solution begins with the impulses
-/// of all contacts of the islands in which bodies have rebounded, and adds to them. In these
-/// islands, bodies that part may come back: contacts that held them while the next blow acts would
-/// add energy. Those that have come back rebound in the solution after it.
+/// the first, two balls would be hit as one heavy ball. So each solution begins with the velocities
+/// that the last one found in the islands in which bodies have rebounded, and contacts add to the
+/// impulses that they have given. In these islands, bodies that part may come back: contacts that
+/// held them while the next blow acts would add energy. Those that have come back rebound in the
+/// solution after it.
 class Blows {
  public:
   /// Forgets those of the last step, and lets bodies part that can rebound from each other. Bodies
@@ -42,8 +43,6 @@ class Blows {
   void stop(btDispatcher& dispatcher);
   /// Whether blows are passed on in the body's island.
   bool reach(const btRigidBody& body) const;
-  /// Gives all that was kept to the bodies, which have the velocities from before the step.
-  void strike() const;
   /// Gives contacts the impulses of all solutions, and back what keep() changed.
   void finish();
 

@@ -123,8 +123,8 @@ bool CheckedMotion::is_faster(const Checked& checked, btScalar time_step) {
 }
 
 bool CheckedMotion::find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-                                  const btDispatcherInfo& info) {
-  if (solutions_ < kMostSolutions && is_unfinished(broadphase, dispatcher, info)) {
+                                  const btDispatcherInfo& info, CoulombSolver* solver) {
+  if (solutions_ < kMostSolutions && is_unfinished(broadphase, dispatcher, info, solver)) {
     ++solutions_;
     return true;
   }
@@ -175,7 +175,7 @@ void CheckedMotion::release() {
 /// Looks for contacts. If the step is to be solved again, bodies are as the next solution is to
 /// begin, else as the last one left them.
 bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-                                  const btDispatcherInfo& info) {
+                                  const btDispatcherInfo& info, CoulombSolver* solver) {
   faster_.clear();
   for (Checked& checked : all_) {
     checked.solved = State::of(*checked.body);
@@ -206,9 +206,25 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
     checked.body->applyTorque(divide(checked.torque, checked.body->getAngularFactor()));
   }
   if (!is_unfinished) return false;
-  blows_->strike();
+  carry_on(info.m_timeStep, solver);
   for (Checked& checked : all_) checked.start = State::of(*checked.body);
   return true;
+}
+
+/// Where blows are passed on, the next solution begins with the velocities that the last one found,
+/// without what forces add in either.
+void CheckedMotion::carry_on(btScalar time_step, CoulombSolver* solver) {
+  carried_.clear();
+  for (const Checked& checked : all_) {
+    btRigidBody& body = *checked.body;
+    if (!blows_->reach(body)) continue;
+    const btVector3 by_forces = time_step * body.getInvMass() * checked.force;
+    const btVector3 by_torques = time_step * (body.getInvInertiaTensorWorld() * checked.torque);
+    body.setLinearVelocity(checked.solved.linear_velocity - by_forces);
+    body.setAngularVelocity(checked.solved.angular_velocity - by_torques);
+    carried_.push_back(&body);
+  }
+  if (solver != nullptr) solver->carry_on(carried_);
 }
 
 /// Looks where bodies that turn end the step, in pairs that have contacts.
@@ -223,5 +239,4 @@ bool CheckedMotion::find_turned(btBroadphaseInterface& broadphase, btDispatcher&
   return search.has_found();
 }
 
-/// Looks for contacts of bodies that are faster, in pairs that have none.
 }  // namespace voxshell::bullet

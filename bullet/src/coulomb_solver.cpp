@@ -98,6 +98,59 @@ void CoulombSolver::convertJoints(btTypedConstraint** constraints, int constrain
     row.m_rhs *= fraction;
     row.m_cfm *= fraction;
   }
+  start_from_carried();
+}
+
+void CoulombSolver::prepareSolve(int /*body_count*/, int /*manifold_count*/) {
+  joint_rows_.clear();
+}
+
+void CoulombSolver::allSolved(const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
+  carried_.clear();
+}
+
+btScalar CoulombSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                                      const btContactSolverInfo& info) {
+  for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
+    btSolverConstraint& row = m_tmpSolverNonContactConstraintPool[i];
+    row.m_appliedImpulse = btScalar(row.m_appliedImpulse) + given_[static_cast<std::size_t>(i)];
+    joint_rows_.push_back({static_cast<const btTypedConstraint*>(row.m_originalContactPoint),
+                           btScalar(row.m_appliedImpulse)});
+  }
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
+                                                                            info);
+}
+
+void CoulombSolver::carry_on(std::span<const btRigidBody* const> bodies) {
+  carried_.clear();
+  for (const JointRow& row : joint_rows_) {
+    const auto is_of_joint = [&](const btRigidBody* body) {
+      return body == &row.joint->getRigidBodyA() || body == &row.joint->getRigidBodyB();
+    };
+    if (std::ranges::any_of(bodies, is_of_joint)) carried_.push_back(row);
+  }
+  std::ranges::stable_sort(carried_, {}, &JointRow::joint);
+}
+
+/// Takes from the limits and aims of rows that carry on what they gave.
+void CoulombSolver::start_from_carried() {
+  btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
+  given_.assign(static_cast<std::size_t>(rows.size()), btScalar(0));
+  if (carried_.empty()) return;
+  auto next = carried_.cbegin();
+  const btTypedConstraint* of = nullptr;
+  for (int i = 0; i < rows.size(); ++i) {
+    btSolverConstraint& row = rows[i];
+    const auto* const joint = static_cast<const btTypedConstraint*>(row.m_originalContactPoint);
+    if (joint != of) next = std::ranges::lower_bound(carried_, joint, {}, &JointRow::joint);
+    of = joint;
+    if (next == carried_.cend() || next->joint != joint) continue;
+    const btScalar given = (next++)->impulse;
+    row.m_lowerLimit -= given;
+    row.m_upperLimit -= given;
+    row.m_rhs -= given * row.m_cfm;
+    given_[static_cast<std::size_t>(i)] = given;
+  }
 }
 
 void CoulombSolver::set_surface_velocity(const btCollisionObject& body, const btVector3& velocity) {

@@ -61,7 +61,10 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   }
 
   /// @param stretch  Position at the start of the step, from where the spring is relaxed.
-  void set_stretch(double stretch) { stretch_ = static_cast<btScalar>(stretch); }
+  void begin_step(double stretch) {
+    stretch_ = static_cast<btScalar>(stretch);
+    has_begun_ = false;
+  }
 
  private:
   bool is_soft() const { return damping_ > 0 || stiffness_ > 0 || armature_ > 0; }
@@ -86,7 +89,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   /// damping * v) - armature * (v - v0), with the velocities v0 before and v after the step. The
   /// springs and dampers of Bullet's constraint use v0: dampers do nothing while another force
   /// slows the joint by more.
-  void add_soft_row(btConstraintInfo2& info, int row) const {
+  void add_soft_row(btConstraintInfo2& info, int row) {
     const btVector3 axis = m_calculatedTransformA.getBasis().getColumn(0);
     const btVector3 place = m_calculatedTransformB.getOrigin();
     const btVector3 none(0, 0, 0);
@@ -111,6 +114,9 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
         linear.dot(m_rbB.getVelocityInLocalPoint(place - m_rbB.getCenterOfMassPosition()) -
                    m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
         (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
+    // A step may be solved several times, and bodies begin the later ones with other velocities.
+    if (!has_begun_) velocity_before_ = velocity;
+    has_begun_ = true;
     // Squared phase of the spring's oscillation per step. Without foresight oscillations keep their
     // energy, and diverge from 2 radians on; with full foresight they die away.
     const btScalar phase2 = h * h * stiffness_ * change / (1 + armature_ * change);
@@ -118,7 +124,8 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
     const btScalar per_velocity =
         armature_ + h * (damping_ + foresight * h * stiffness_);  // impulse
     // Where the impulse is 0.
-    const btScalar target = (armature_ * velocity - h * stiffness_ * stretch_) / per_velocity;
+    const btScalar target =
+        (armature_ * velocity_before_ - h * stiffness_ * stretch_) / per_velocity;
     info.m_constraintError[row] = target;
     if (solves_soft_rows_) {
       // Relative to `change`.
@@ -136,6 +143,8 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   btScalar stiffness_;
   btScalar armature_;
   btScalar stretch_ = 0;
+  btScalar velocity_before_ = 0;  ///< the step, along the axis
+  bool has_begun_ = false;        ///< the step's first solution
   bool solves_soft_rows_;
   int rows_ = 0;
 };
@@ -276,7 +285,7 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
   if (!has_axis()) return;
   const double position = unwrap();
   set_limits(position, time_step);
-  axes_->set_stretch(position - settings_.spring_position);
+  axes_->begin_step(position - settings_.spring_position);
 
   double velocity = 0.0;
   const auto toward = [&](double target, double speed) {

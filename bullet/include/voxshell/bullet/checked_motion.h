@@ -8,6 +8,8 @@
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include "voxshell/bullet/coulomb_solver.h"
+
 namespace voxshell::bullet {
 
 class Blows;
@@ -37,8 +39,11 @@ class CheckedMotion {
   /// Call it after the solver, until it returns false. While contacts are found that the solver
   /// does not know, they are in manifolds, and bodies are as in begin(), with the velocities that
   /// blows have given them: solve again. Else bodies are as the solver left them.
+  ///
+  /// @param solver  The world's, or null where that is another one: motors, springs and limits of
+  ///        joints then give again, in each solution, what they gave before.
   bool find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-                     const btDispatcherInfo& info);
+                     const btDispatcherInfo& info, CoulombSolver* solver);
 
   /// Call it once bodies have moved. Those that would have hit more within the step than it was
   /// solved for have stopped at what they would have hit next, and get back their velocities.
@@ -79,14 +84,16 @@ class CheckedMotion {
 
   static bool is_faster(const Checked& checked, btScalar time_step);
   bool is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
-                     const btDispatcherInfo& info);
+                     const btDispatcherInfo& info, CoulombSolver* solver);
+  void carry_on(btScalar time_step, CoulombSolver* solver);
   void find_stopped(btScalar time_step);
   bool find_turned(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                    const btDispatcherInfo& info);
 
   std::vector<Checked> all_;
   std::vector<Stopped> stopped_;
-  std::vector<btRigidBody*> faster_;  ///< bodies that the solver made fast
+  std::vector<btRigidBody*> faster_;         ///< bodies that the solver made fast
+  std::vector<const btRigidBody*> carried_;  ///< those that begin the next solution with blows
   std::unique_ptr<Blows> blows_;
   std::unique_ptr<SolvedMotionSearch> search_;
   std::unique_ptr<StepEnd> step_end_;
@@ -114,8 +121,9 @@ class CheckedMotionWorld : public World {
   void solveConstraints(btContactSolverInfo& info) override {
     checked_.begin(this->m_nonStaticRigidBodies, *this->getDispatcher(), info.m_timeStep);
     World::solveConstraints(info);
+    auto* const solver = dynamic_cast<CoulombSolver*>(this->getConstraintSolver());
     while (checked_.find_contacts(*this->getBroadphase(), *this->getDispatcher(),
-                                  this->getDispatchInfo())) {
+                                  this->getDispatchInfo(), solver)) {
       this->calculateSimulationIslands();
       World::solveConstraints(info);
     }

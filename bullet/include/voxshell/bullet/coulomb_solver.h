@@ -2,6 +2,8 @@
 
 #include <map>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
@@ -53,6 +55,14 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   ///        two fixed friction directions. 0 removes the entry: call it before you delete the body.
   void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
 
+  /// Lets joints of bodies carry on in the next solution of the same step. These bodies begin it
+  /// with the velocities that the last one gave them, so rows of their joints add to the impulses
+  /// that they gave in it: a motor's limit and what a spring gives are for the step.
+  void carry_on(std::span<const btRigidBody* const> bodies);
+
+  void prepareSolve(int body_count, int manifold_count) override;
+  void allSolved(const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+
  protected:
   void solveGroupCacheFriendlySplitImpulseIterations(
       btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
@@ -74,8 +84,16 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
                                 btPersistentManifold** manifolds, int manifold_count,
                                 btTypedConstraint** constraints, int constraint_count,
                                 const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                         const btContactSolverInfo& info) override;
 
  private:
+  /// What a row of a joint gave in a solution, N s or N m s.
+  struct JointRow {
+    const btTypedConstraint* joint;
+    btScalar impulse;
+  };
+
   template <class Sweep>
   void solve_as_needed(const Sweep& sweep, const btContactSolverInfo& info);
   template <class Sweep>
@@ -86,6 +104,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
+  void start_from_carried();
   void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
   void move_surfaces();
   void aim_at_middle_of_step(btScalar time_step);
@@ -102,11 +121,14 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
 
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
-  std::unique_ptr<IslandProblem> problem_;                            ///< kept for its memory
-  std::unique_ptr<SolverState> best_;                                 ///< kept for its memory
-  std::unique_ptr<SolverState> of_newton_;                            ///< before sweeps; the same
-  std::unique_ptr<SqueezedContacts> squeezed_;                        ///< kept for its memory
-  std::unique_ptr<BracedContacts> braced_;                            ///< kept for its memory
+  std::vector<JointRow> joint_rows_;            ///< of the last solution, as they were solved
+  std::vector<JointRow> carried_;               ///< that the next one adds to, by joint
+  std::vector<btScalar> given_;                 ///< of these by each joint row of an island
+  std::unique_ptr<IslandProblem> problem_;      ///< kept for its memory
+  std::unique_ptr<SolverState> best_;           ///< kept for its memory
+  std::unique_ptr<SolverState> of_newton_;      ///< before sweeps; the same
+  std::unique_ptr<SqueezedContacts> squeezed_;  ///< kept for its memory
+  std::unique_ptr<BracedContacts> braced_;      ///< kept for its memory
 };
 
 }  // namespace voxshell::bullet
