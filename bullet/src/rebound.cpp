@@ -9,9 +9,10 @@ namespace voxshell::bullet {
 
 namespace {
 
-/// Others are there in case the solver turns the body.
+/// Others are there in case the solver turns the body, and what is slow may be within the rest
+/// margin for some steps before it touches.
 bool touches_within(const PairStep& step, const Impact& impact) {
-  return is_contact(step, impact) || closing_of(step, impact) >= impact.gap;
+  return impact.gap <= 0.0 || closing_of(step, impact) >= impact.gap;
 }
 
 /// Whether the rebound of what touches first may change how other contacts of the pair do.
