@@ -24,8 +24,10 @@ def make_cradle(count, *, rate, gap, angle, mass=0.1):
         balls.append(world.add(shape, mass=mass, pose=pose, restitution=1, friction=0))
         pin = vx.pose((x, 0, 0))
         world.add_joint(vx.HingeJoint((0, 1, 0)), None, balls[-1], world_from_joint=pin)
-    return world, balls, lambda: sum(
-        b.kinetic_energy + mass * 9.81 * (b.position[2] + ARM) for b in balls
+    return (
+        world,
+        balls,
+        lambda: sum(b.kinetic_energy + mass * 9.81 * (b.position[2] + ARM) for b in balls),
     )
 
 
@@ -64,7 +66,9 @@ def test_reactions_of_joints_are_those_of_all_blows_of_a_step(rate):
 
 @pytest.mark.parametrize("e", [0.5, 0.8])
 @pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("joint", [vx.HingeJoint((0, 1, 0)), vx.PointJoint()], ids=["hinge", "point"])
+@pytest.mark.parametrize(
+    "joint", [vx.HingeJoint((0, 1, 0)), vx.PointJoint()], ids=["hinge", "point"]
+)
 def test_a_chain_that_falls_on_a_slab_gains_no_energy(joint, rate, e):
     for seed in range(4):
         world = vx.World(time_step=1.0 / rate)
