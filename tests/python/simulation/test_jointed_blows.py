@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 import trimesh
@@ -36,11 +34,11 @@ def make_cradle(count, *, rate, gap, angle, mass=0.1):
 def test_a_cradle_on_hinges_gains_no_energy(rate, count):
     # What semi-implicit steps of a pendulum take and give back.
     wobble = 0.5 / rate * np.sqrt(9.81 / ARM)
-    for gap, angle in itertools.product((0.0003, 0.001, 0.002), (0.3, 0.7)):
+    for gap, angle in ((0.0003, 0.3), (0.001, 0.5), (0.002, 0.7)):
         world, _, energy = make_cradle(count, rate=rate, gap=gap, angle=angle)
         first = energy()
         energies = []
-        world.step(round(3 * rate), lambda _, seen=energies, energy=energy: seen.append(energy()))
+        world.step(round(2 * rate), lambda _, seen=energies, energy=energy: seen.append(energy()))
         assert max(energies) <= (1.002 + wobble) * first, (gap, angle)
 
 
@@ -70,7 +68,7 @@ def test_reactions_of_joints_are_those_of_all_blows_of_a_step(rate):
     "joint", [vx.HingeJoint((0, 1, 0)), vx.PointJoint()], ids=["hinge", "point"]
 )
 def test_a_chain_that_falls_on_a_slab_gains_no_energy(joint, rate, e):
-    for seed in range(4):
+    for seed in range(2):
         world = vx.World(time_step=1.0 / rate)
         world.add(trimesh.creation.box((5, 5, 0.2)), mass=0, pose=(0, 0, -0.1), restitution=1)
         tilt = np.random.default_rng(seed).uniform(-0.6, 0.6, 3)
