@@ -224,6 +224,7 @@ void CheckedMotion::carry_on(btScalar time_step, CoulombSolver* solver) {
     body.setAngularVelocity(checked.solved.angular_velocity - by_torques);
     carried_.push_back(&body);
   }
+  std::ranges::sort(carried_);
   if (solver != nullptr) solver->carry_on(carried_);
 }
 

@@ -528,8 +528,8 @@ inline constexpr double kReturnedOfSize = 0.0005;
 /// Pairs of models that have contacts are searched for others where they come to be in each other
 /// by this fraction of kCheckedOfSize. Larger: places that pass a contact aslant are missed.
 inline constexpr double kDeepOfChecked = 0.5;
-/// Most poses on the way at which these are looked up, as far apart as the detail of the finer
-/// body. More take as long as the search.
+/// Most poses on the way at which these are looked up, kDetailOfThickness of the thinner body
+/// apart. More take as long as the search.
 inline constexpr int kMostPosesOnTheWay = 32;
 /// How often a step is solved at most. Fewer: at low rates a blow passes through fewer balls of a
 /// row within a step, and they end in each other. Larger: heaps of elastic bodies take longer.

@@ -101,11 +101,11 @@ void CoulombSolver::convertJoints(btTypedConstraint** constraints, int constrain
   start_from_carried();
 }
 
-void CoulombSolver::prepareSolve(int /*body_count*/, int /*manifold_count*/) {
-  joint_rows_.clear();
-}
+void CoulombSolver::begin_step() { is_in_step_ = true; }
 
-void CoulombSolver::allSolved(const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
+void CoulombSolver::end_step() {
+  is_in_step_ = false;
+  joint_rows_.clear();
   carried_.clear();
 }
 
@@ -114,6 +114,7 @@ btScalar CoulombSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies
   for (int i = 0; i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
     btSolverConstraint& row = m_tmpSolverNonContactConstraintPool[i];
     row.m_appliedImpulse = btScalar(row.m_appliedImpulse) + given_[static_cast<std::size_t>(i)];
+    if (!is_in_step_) continue;
     joint_rows_.push_back({static_cast<const btTypedConstraint*>(row.m_originalContactPoint),
                            btScalar(row.m_appliedImpulse)});
   }
@@ -122,13 +123,16 @@ btScalar CoulombSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies
 }
 
 void CoulombSolver::carry_on(std::span<const btRigidBody* const> bodies) {
+  const auto carries_on = [&](const btRigidBody& body) {
+    return std::ranges::binary_search(bodies, &body);
+  };
   carried_.clear();
   for (const JointRow& row : joint_rows_) {
-    const auto is_of_joint = [&](const btRigidBody* body) {
-      return body == &row.joint->getRigidBodyA() || body == &row.joint->getRigidBodyB();
-    };
-    if (std::ranges::any_of(bodies, is_of_joint)) carried_.push_back(row);
+    if (carries_on(row.joint->getRigidBodyA()) || carries_on(row.joint->getRigidBodyB())) {
+      carried_.push_back(row);
+    }
   }
+  joint_rows_.clear();
   std::ranges::stable_sort(carried_, {}, &JointRow::joint);
 }
 

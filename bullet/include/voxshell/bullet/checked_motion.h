@@ -40,8 +40,9 @@ class CheckedMotion {
   /// does not know, they are in manifolds, and bodies are as in begin(), with the velocities that
   /// blows have given them: solve again. Else bodies are as the solver left them.
   ///
-  /// @param solver  The world's, or null where that is another one: motors, springs and limits of
-  ///        joints then give again, in each solution, what they gave before.
+  /// @param solver  The world's, between its begin_step() and end_step(); or null where that is
+  ///        another one: motors, springs and limits of joints then give again, in each solution,
+  ///        what they gave before.
   bool find_contacts(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info, CoulombSolver* solver);
 
@@ -120,13 +121,15 @@ class CheckedMotionWorld : public World {
  protected:
   void solveConstraints(btContactSolverInfo& info) override {
     checked_.begin(this->m_nonStaticRigidBodies, *this->getDispatcher(), info.m_timeStep);
-    World::solveConstraints(info);
     auto* const solver = dynamic_cast<CoulombSolver*>(this->getConstraintSolver());
+    if (solver != nullptr) solver->begin_step();
+    World::solveConstraints(info);
     while (checked_.find_contacts(*this->getBroadphase(), *this->getDispatcher(),
                                   this->getDispatchInfo(), solver)) {
       this->calculateSimulationIslands();
       World::solveConstraints(info);
     }
+    if (solver != nullptr) solver->end_step();
   }
 
   void predictUnconstraintMotion(btScalar time_step) override {

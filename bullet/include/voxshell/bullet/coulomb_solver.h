@@ -55,13 +55,14 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   ///        two fixed friction directions. 0 removes the entry: call it before you delete the body.
   void set_surface_velocity(const btCollisionObject& body, const btVector3& velocity);
 
-  /// Lets joints of bodies carry on in the next solution of the same step. These bodies begin it
-  /// with the velocities that the last one gave them, so rows of their joints add to the impulses
-  /// that they gave in it: a motor's limit and what a spring gives are for the step.
+  /// Between these two calls, a step may be solved several times.
+  void begin_step();
+  void end_step();
+  /// Lets joints of bodies, ascending by address, carry on in the next solution of the step. These
+  /// bodies begin it with the velocities that the last one gave them, so rows of their joints add
+  /// to the impulses that they gave in it: a motor's limit and what a spring gives are for the
+  /// step.
   void carry_on(std::span<const btRigidBody* const> bodies);
-
-  void prepareSolve(int body_count, int manifold_count) override;
-  void allSolved(const btContactSolverInfo& info, btIDebugDraw* drawer) override;
 
  protected:
   void solveGroupCacheFriendlySplitImpulseIterations(
@@ -121,6 +122,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
 
   SolverEffort effort_;
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
+  bool is_in_step_ = false;
   std::vector<JointRow> joint_rows_;            ///< of the last solution, as they were solved
   std::vector<JointRow> carried_;               ///< that the next one adds to, by joint
   std::vector<btScalar> given_;                 ///< of these by each joint row of an island
