@@ -31,11 +31,6 @@ constexpr std::array<Vec3, kBallIds> kStarts{{{0, 0, -1},
                                               {kThird, kThird, -kThird},
                                               {kThird, kThird, kThird}}};
 constexpr double kBetweenStarts = 0.63;
-/// By which the place where a ball meets a wall is halved.
-constexpr int kMeetSteps = 12;
-/// Of a hop, by which the wall is looked at behind that place.
-constexpr double kBehindMeeting = 0.5;
-constexpr int kMostWalls = 3;
 
 /// The first start that a direction is near to, or nearly as near as to the nearest, and that is
 /// not taken: what lies between two keeps one of them.

@@ -51,7 +51,8 @@ bool has_rebounded(const btRigidBody& a, const btRigidBody& b, const btManifoldP
   return closing > 0 && point.m_combinedRestitution * closing > gap_of(point);
 }
 
-/// Of the smaller body that can move, as of checked motion.
+}  // namespace
+
 btScalar size_of(const btRigidBody& a, const btRigidBody& b) {
   btScalar size = BT_LARGE_FLOAT;
   for (const btRigidBody* body : {&a, &b}) {
@@ -60,8 +61,6 @@ btScalar size_of(const btRigidBody& a, const btRigidBody& b) {
   }
   return size;
 }
-
-}  // namespace
 
 bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
                btScalar time_step, double of_size) {
@@ -81,10 +80,8 @@ void Blows::begin(btDispatcher& dispatcher, btScalar time_step) {
 
 void Blows::find(btDispatcher& dispatcher, std::span<btRigidBody* const> faster,
                  btScalar time_step) {
-  faster_.assign(faster.begin(), faster.end());
-  std::ranges::sort(faster_);
-  const auto is_faster = [&](const btCollisionObject& body) {
-    return std::ranges::binary_search(faster_, &body);
+  const auto is_faster = [&](const btRigidBody& body) {
+    return std::ranges::binary_search(faster, &body);
   };
   found_.clear();
   islands_.clear();

@@ -9,6 +9,9 @@
 
 namespace voxshell::bullet {
 
+/// Of the smaller of two bodies, of which one may not move and does not count then, meters.
+btScalar size_of(const btRigidBody& a, const btRigidBody& b);
+
 /// Whether two bodies, as they move, pass a contact's gap within the step by more than a fraction
 /// of the smaller one's size.
 bool is_passed(const btRigidBody& a, const btRigidBody& b, const btManifoldPoint& point,
@@ -30,8 +33,8 @@ class Blows {
   void begin(btDispatcher& dispatcher, btScalar time_step);
   /// Whether contacts are changed for the solution.
   bool has_changed() const { return !changed_.empty(); }
-  /// Finds what contacts gave in islands in which one of the bodies `faster` has rebounded.
-  /// Bodies have the velocities that the solution began with.
+  /// Finds what contacts gave in islands in which one of the bodies `faster`, ascending by address,
+  /// has rebounded. Bodies have the velocities that the solution began with.
   void find(btDispatcher& dispatcher, std::span<btRigidBody* const> faster, btScalar time_step);
   /// Gives contacts back what keep() changed, and returns whether bodies that had parted have come
   /// back through their gap. Bodies have the velocities that the solver found.
@@ -70,10 +73,9 @@ class Blows {
                 btScalar time_step);
   void give_back();
 
-  std::vector<const btCollisionObject*> faster_;  ///< by address
-  std::vector<int> islands_;                      ///< with blows, ascending
-  std::vector<Blow> found_;                       ///< of the last solution
-  std::vector<Blow> kept_;                        ///< of those before
+  std::vector<int> islands_;  ///< with blows, ascending
+  std::vector<Blow> found_;   ///< of the last solution
+  std::vector<Blow> kept_;    ///< of those before
   std::vector<Changed> changed_;
 };
 

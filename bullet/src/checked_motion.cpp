@@ -186,15 +186,17 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
   const bool has_turned = find_turned(broadphase, dispatcher, info);
   if (faster_.empty() && !has_turned && !blows_->has_changed()) return false;
   for (const Checked& checked : all_) checked.start.put_on(*checked.body);
-  blows_->find(dispatcher, faster_, info.m_timeStep);
+  faster_by_address_.assign(faster_.begin(), faster_.end());
+  std::ranges::sort(faster_by_address_);
+  blows_->find(dispatcher, faster_by_address_, info.m_timeStep);
   for (const Checked& checked : all_) {
     // Their velocity has what forces add.
     checked.go_on().put_on(*checked.body);
     checked.body->clearForces();
   }
   const bool has_come_back = blows_->restore(info.m_timeStep);
-  const bool has_found =
-      search_->find(faster_, broadphase, static_cast<btCollisionDispatcher&>(dispatcher), info);
+  const bool has_found = search_->find(faster_, faster_by_address_, broadphase,
+                                       static_cast<btCollisionDispatcher&>(dispatcher), info);
   const bool is_unfinished = has_found || has_come_back || has_turned;
   if (is_unfinished) {
     blows_->keep(dispatcher, info.m_timeStep);

@@ -47,6 +47,14 @@ inline constexpr double kAddedOfDisplacement = 0.5;
 inline constexpr double kBallHop = 0.5;
 /// And in at most so many places. Smaller: tiny ones that are fast pass walls. Larger: slower.
 inline constexpr double kMostBallHops = 64.0;
+/// How often the hop in which a ball meets a wall is halved. Fewer: the place is off by more.
+inline constexpr int kMeetSteps = 12;
+/// Of a hop, by which the wall is looked at behind that place, where the grid no longer blends its
+/// normal with that of a nearer one.
+inline constexpr double kBehindMeeting = 0.5;
+/// Walls that a ball meets on its way at most. Fewer: a ball that crosses a bin several times
+/// within a step leaves it.
+inline constexpr int kMostWalls = 3;
 /// Radians by which a pair turns in a step, beyond which points are looked for twice as far away as
 /// the smaller body moves. Larger: turning takes points from farther away than they are looked for.
 inline constexpr double kMostReachingTurn = 0.5;

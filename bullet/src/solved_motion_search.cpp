@@ -102,8 +102,7 @@ class SolvedMotionSearch::Callback : public btOverlapCallback {
     const btCollisionObjectWrapper wrap_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(),
                                           -1, -1);
     if (typeid(known) == typeid(ModelAlgorithm)) {
-      const btScalar size = std::min(a.getCollisionShape()->getAngularMotionDisc(),
-                                     b.getCollisionShape()->getAngularMotionDisc());
+      const btScalar size = size_of(*btRigidBody::upcast(&a), *btRigidBody::upcast(&b));
       const double least = kDeepOfChecked * kCheckedOfSize * static_cast<double>(size);
       if (!static_cast<const ModelAlgorithm&>(known).may_be_deep_on_the_way(
               wrap_a, wrap_b, static_cast<double>(info_.m_timeStep), least)) {
@@ -134,17 +133,16 @@ class SolvedMotionSearch::Callback : public btOverlapCallback {
 SolvedMotionSearch::~SolvedMotionSearch() { drop_added(); }
 
 bool SolvedMotionSearch::find(std::span<btRigidBody* const> faster,
+                              std::span<btRigidBody* const> by_address,
                               btBroadphaseInterface& broadphase, btCollisionDispatcher& dispatcher,
                               const btDispatcherInfo& info) {
   if (faster.empty()) return false;
   for (btRigidBody* const body : faster) {
     extend_bounds(*body, info.m_timeStep, broadphase, dispatcher);
   }
-  faster_.assign(faster.begin(), faster.end());
-  std::ranges::sort(faster_);
   broadphase.calculateOverlappingPairs(&dispatcher);
   added_of_ = &dispatcher;
-  Callback callback(faster_, dispatcher, info, added_);
+  Callback callback(by_address, dispatcher, info, added_);
   broadphase.getOverlappingPairCache()->processAllOverlappingPairs(&callback, &dispatcher, info);
   return callback.has_found();
 }

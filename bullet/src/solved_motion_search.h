@@ -26,9 +26,11 @@ class SolvedMotionSearch {
   /// Returns whether there are contacts that the solver has not known. Bodies are where the step
   /// begins, with the velocities that it found, and have no forces.
   ///
-  /// @param faster  In the world's order.
-  bool find(std::span<btRigidBody* const> faster, btBroadphaseInterface& broadphase,
-            btCollisionDispatcher& dispatcher, const btDispatcherInfo& info);
+  /// @param faster      In the world's order.
+  /// @param by_address  The same, ascending by address.
+  bool find(std::span<btRigidBody* const> faster, std::span<btRigidBody* const> by_address,
+            btBroadphaseInterface& broadphase, btCollisionDispatcher& dispatcher,
+            const btDispatcherInfo& info);
 
   /// Forgets further contacts of pairs that have some.
   void drop_added();
@@ -42,7 +44,6 @@ class SolvedMotionSearch {
     btCollisionAlgorithm* algorithm;
   };
 
-  std::vector<btRigidBody*> faster_;  ///< by address
   std::vector<Added> added_;
   btDispatcher* added_of_ = nullptr;  ///< whose they are
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include "voxshell/bullet/convert.h"
 
@@ -63,7 +64,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   /// @param stretch  Position at the start of the step, from where the spring is relaxed.
   void begin_step(double stretch) {
     stretch_ = static_cast<btScalar>(stretch);
-    has_begun_ = false;
+    velocity_before_.reset();
   }
 
  private:
@@ -115,8 +116,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
                    m_rbA.getVelocityInLocalPoint(place - m_rbA.getCenterOfMassPosition())) +
         (slides_ ? btScalar(0) : axis.dot(m_rbB.getAngularVelocity() - m_rbA.getAngularVelocity()));
     // A step may be solved several times, and bodies begin the later ones with other velocities.
-    if (!has_begun_) velocity_before_ = velocity;
-    has_begun_ = true;
+    if (!velocity_before_) velocity_before_ = velocity;
     // Squared phase of the spring's oscillation per step. Without foresight oscillations keep their
     // energy, and diverge from 2 radians on; with full foresight they die away.
     const btScalar phase2 = h * h * stiffness_ * change / (1 + armature_ * change);
@@ -125,7 +125,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
         armature_ + h * (damping_ + foresight * h * stiffness_);  // impulse
     // Where the impulse is 0.
     const btScalar target =
-        (armature_ * velocity_before_ - h * stiffness_ * stretch_) / per_velocity;
+        (armature_ * *velocity_before_ - h * stiffness_ * stretch_) / per_velocity;
     info.m_constraintError[row] = target;
     if (solves_soft_rows_) {
       // Relative to `change`.
@@ -143,8 +143,7 @@ class AxesConstraint : public btGeneric6DofSpring2Constraint {
   btScalar stiffness_;
   btScalar armature_;
   btScalar stretch_ = 0;
-  btScalar velocity_before_ = 0;  ///< the step, along the axis
-  bool has_begun_ = false;        ///< the step's first solution
+  std::optional<btScalar> velocity_before_;  ///< the step, along the axis
   bool solves_soft_rows_;
   int rows_ = 0;
 };

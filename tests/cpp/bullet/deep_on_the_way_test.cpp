@@ -1,7 +1,5 @@
 #include "deep_on_the_way.h"
 
-#include <memory>
-
 #include <gtest/gtest.h>
 
 #include "support/models.h"

@@ -93,7 +93,8 @@ class CheckedMotion {
 
   std::vector<Checked> all_;
   std::vector<Stopped> stopped_;
-  std::vector<btRigidBody*> faster_;         ///< bodies that the solver made fast
+  std::vector<btRigidBody*> faster_;  ///< bodies that the solver made fast
+  std::vector<btRigidBody*> faster_by_address_;
   std::vector<const btRigidBody*> carried_;  ///< those that begin the next solution with blows
   std::unique_ptr<Blows> blows_;
   std::unique_ptr<SolvedMotionSearch> search_;
