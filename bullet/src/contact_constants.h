@@ -283,6 +283,10 @@ inline constexpr double kFlatRim = 0.1;
 /// Far from the surface a grid's distances are rough: a ball is looked for this fraction of its
 /// radius farther away. Smaller: large balls are missed. Larger: slower.
 inline constexpr double kBallSlack = 0.5;
+/// Corners that touch something look along their way from as far above it, of the height of their
+/// shape's middle. Smaller: the way stops at what rises a little. Larger: they meet walls too high,
+/// and tip.
+inline constexpr double kLiftOfMiddle = 0.25;
 /// Most steps along a ball's surface to the place that is deepest in the model. Each at least
 /// halves the error on smooth surfaces.
 inline constexpr int kBallSteps = 8;

@@ -16,6 +16,7 @@
 #include "contact_rule.h"
 #include "edge_crossings.h"
 #include "facing_normals.h"
+#include "walls_ahead.h"
 #include "foremost.h"
 #include "impact.h"
 #include "of_this_thread.h"
@@ -372,6 +373,9 @@ void ContactSearch::append_features(const Question& question, const PosedPair& p
     if (question.slides) balls_.drop_covered(contacts_, pair.shell(), exact_);
   } else {
     append_feature_contacts(features_, pair, question.reach, contacts_);
+    if (question.slides && question.step->uses_ccd) {
+      append_walls_ahead(*question.step, features_, contacts_);
+    }
     if (question.slides) first_.on_round.slide_features(contacts_, features_, exact_);
     std::ranges::sort(exact_);
   }

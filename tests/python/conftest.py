@@ -46,13 +46,13 @@ def coarse_bunny(bunny_mesh: trimesh.Trimesh) -> vx.Model:
 
 @pytest.fixture(scope="session")
 def ball() -> vx.Model:
-    """A sphere of radius 0.1 m but for its facets, centerd at its origin."""
+    """A sphere of radius 0.1 m but for its facets, centered at its origin."""
     return vx.Model.from_mesh(trimesh.creation.icosphere(4, radius=0.1), voxel_size=0.005)
 
 
 @pytest.fixture(scope="session")
 def cube() -> vx.Model:
-    """1 m, centerd at its origin."""
+    """1 m, centered at its origin."""
     return vx.Model.from_mesh(trimesh.creation.box(), voxel_size=0.05)
 
 

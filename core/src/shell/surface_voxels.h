@@ -21,7 +21,7 @@ struct SurfaceSample {
 struct VoxelGrid {
   double spacing;          ///< edge of a voxel, meters
   Matrix3 grid_from_mesh;  ///< a rotation: its rows are the grid's axes
-  Vec3 shift{};            ///< of the grid from being centerd on the mesh's bounds, voxels
+  Vec3 shift{};            ///< of the grid from being centered on the mesh's bounds, voxels
 };
 
 /// Surfaces face away from each other where the cosine of the angle between their normals is below

@@ -44,8 +44,8 @@ bullet::BodyFrame choose_frame(const BodySettings& settings) {
       most_off > kNothing * (moments.x + moments.y + moments.z)) {
     return bullet::compute_principal_frame(matter);
   }
-  const bool is_centerd = length(matter.center_of_mass) < kNothing;
-  return {{{}, is_centerd ? Vec3{} : matter.center_of_mass}, moments};
+  const bool is_centered = length(matter.center_of_mass) < kNothing;
+  return {{{}, is_centered ? Vec3{} : matter.center_of_mass}, moments};
 }
 
 }  // namespace

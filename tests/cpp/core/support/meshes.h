@@ -17,7 +17,7 @@
 namespace voxshell::test_support {
 
 /// Vertices and triangles before anybody has checked them. The generators below make closed
-/// surfaces, right side out, centerd at the origin unless they say otherwise. Meters.
+/// surfaces, right side out, centered at the origin unless they say otherwise. Meters.
 struct Soup {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -115,7 +115,7 @@ inline Soup make_box(const Vec3& half) {
 }
 
 /// Three cubes of edge `side` in an L: [0, 2] x [0, 2] x [0, 1] sides without the quadrant beyond
-/// (1, 1). Not centerd. Volume 3 side^3.
+/// (1, 1). Not centered. Volume 3 side^3.
 inline Soup make_l_shape(double side) {
   const double s = side;
   return make_prism({{0, 0}, {2 * s, 0}, {2 * s, s}, {s, s}, {s, 2 * s}, {0, 2 * s}},
