@@ -171,6 +171,10 @@ inline constexpr float kPlaneBeyondGaps = 2.0f;
 /// Larger: ten iterations of the solver leave a body that lands on several points with too much
 /// energy. 0: only one of the points of a flat landing rebounds.
 inline constexpr double kFirstTouchWithin = 0.05;
+/// Those within this fraction do so whatever the first one leaves of their approach. Larger: what
+/// lands on a corner and is turned away rebounds beside it, too, and tilts. Smaller: by rounding,
+/// not all points of a flat landing rebound.
+inline constexpr double kTogetherWithin = 1e-3;
 /// A contact that touches later rebounds as well, if the rebounds of earlier ones change its
 /// approach by at most this fraction; others only stop approaching. Larger: contacts that are not
 /// reached any more rebound. 0: a body that lies in a tray does not rebound from its walls.
@@ -178,6 +182,13 @@ inline constexpr double kFreeOfApproach = 0.05;
 /// Normals of contacts at right angles have at most this cosine of the angle between them. 0.5: a
 /// dropped stack of elastic cubes gains three times as much energy.
 inline constexpr float kMostCosineOfWalls = 0.1f;
+/// How often the contacts that touch are gone through for what they leave of the fall. Fewer: what
+/// slides in a groove is thought to fall into its walls.
+inline constexpr int kCarriedSweeps = 4;
+/// They carry a body if they take at least this fraction of its fall. 0: what guides a body that
+/// something else carries lets it fall, too. Larger: steep ramps brake what slides down,
+/// or a body that lies still falls.
+inline constexpr double kLeastCarried = 0.05;
 /// How often the contacts that touch first are gone through for what they leave of the motion.
 /// Fewer: what touches later at the other side of a body that lands flat is thought to leave.
 inline constexpr int kReboundSweeps = 8;
@@ -486,6 +497,9 @@ inline constexpr int kSeamTurns = 2;
 /// How often a place is lowered by its distance from the surface that carries it: on slopes, once
 /// is not enough.
 inline constexpr int kSeamDrops = 3;
+/// Normals that differ by this sine are those of two walls, which meet in the corner of a channel.
+/// Smaller: those of curved surfaces are. Larger: bodies stop at seams of obtuse channels.
+inline constexpr double kSeamWall = 0.3;
 /// A place counts as over a face if it is beside its edge by no more than this fraction of a step.
 /// 0: where a body's edge lies along a seam, neither tile is beside it. Larger: normals of edges.
 inline constexpr double kSeamBeside = 0.1;

@@ -67,6 +67,37 @@ bool is_ball(const Field& field) {
   return std::holds_alternative<SphereField>(field) || std::holds_alternative<CapsuleField>(field);
 }
 
+/// What the contacts that touch leave of a fall; none where they carry nothing of it, or all.
+std::optional<Vec3> carry(const PairStep& step, const Vec3& fall,
+                          std::span<const Contact> contacts) {
+  Vec3 left = fall;
+  for (int i = 0; i < kCarriedSweeps; ++i) {
+    for (const Contact& contact : contacts) {
+      if (!is_contact(step, impact_of(step, contact))) continue;
+      const auto normal = static_cast<Vec3>(contact.normal);
+      left = left - std::min(dot(left, normal), 0.0) * normal;
+    }
+  }
+  const double least = kLeastCarried * length(fall);
+  if (length(fall - left) <= least || length(left) <= least) return std::nullopt;
+  return left;
+}
+
+/// How the bodies may move along what they touch if one of them falls and something holds the
+/// other one. Where that gives way, they are faster.
+void find_carried_motions(const PairStep& step, std::span<const Contact> contacts,
+                          std::vector<RelativeMotion>& motions) {
+  motions.clear();
+  if (!step.looks_ahead()) return;
+  for (const RelativeMotion& stopped : step.if_stopped) {
+    if (stopped.velocity_of_fall == Vec3{}) continue;
+    const auto fall = carry(step, stopped.velocity_of_fall, contacts);
+    if (!fall) continue;
+    motions.push_back(step.motion);
+    motions.back().velocity_of_fall = kCcdReach * *fall;
+  }
+}
+
 /// What a contact that does not touch where it is becomes in a step with CCD.
 struct Followed {
   Contact plane;
@@ -103,6 +134,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   bool touches_from_above = false;
   RelativeMotion freely = step.motion;
   freely.velocity_of_fall = {};
+  find_carried_motions(step, contacts, memory.carried);
   // What is kept may overwrite the contact that is looked at.
   const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
@@ -111,6 +143,9 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found)) &&
         !(memory.turning.speed_of(found.id) > 0.0)) {
       allow_motion(step, freely, features, found, 0.0, judged);
+      for (const RelativeMotion& carried : memory.carried) {
+        allow_motion(step, carried, features, found, 2.0 * step.touching_gap(), judged);
+      }
       for (const RelativeMotion& turned : memory.turning.motions()) {
         // At its end, bodies touch with other places than now.
         allow_motion(step, turned, features, found, 2.0 * step.touching_gap(), judged);

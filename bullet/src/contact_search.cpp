@@ -16,11 +16,11 @@
 #include "contact_rule.h"
 #include "edge_crossings.h"
 #include "facing_normals.h"
-#include "walls_ahead.h"
 #include "foremost.h"
 #include "impact.h"
 #include "of_this_thread.h"
 #include "voxshell/manifold.h"
+#include "walls_ahead.h"
 #include "way_out.h"
 
 namespace voxshell::bullet {

@@ -21,6 +21,8 @@ bool has_others_to_follow(const PairStep& step, const FirstTouch& first) {
   return first.time < kNever && !has_link && step.time_step > 0.0 && step.restitution > 0.0;
 }
 
+}  // namespace
+
 /// Two bodies without friction, with nothing else in the way.
 class FreeBodies {
  public:
@@ -66,8 +68,6 @@ class FreeBodies {
   Motion field_;
 };
 
-}  // namespace
-
 bool FirstTouch::includes(const PairStep& step, const Impact& impact) const {
   return touches_within(step, impact) && time < kNever &&
          impact.time() <= time + kFirstTouchWithin * step.time_step;
@@ -105,28 +105,18 @@ void Rebounding::find(const PairStep& step, const FirstTouch& first,
                       std::span<const Contact> contacts) {
   touches_.clear();
   const bool goes_on = has_others_to_follow(step, first);
-  const double within = kFirstTouchWithin * step.time_step;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
     const Impact impact = impact_of(step, contacts[i]);
     // A body that lands flat at the end of the step does so as a whole.
-    const bool touches_with_last = goes_on && impact.time() <= step.time_step + within;
+    const bool touches_with_last =
+        goes_on && impact.time() <= (1.0 + kFirstTouchWithin) * step.time_step;
     if (!touches_with_last && !touches_within(step, impact)) continue;
     touches_.push_back({.id = contacts[i].id, .index = i, .impact = impact});
   }
   for (double time = first.time; time < kNever;) {
-    std::size_t count = 0;
-    for (Touch& touch : touches_) {
-      touch.is_now = touch.is_free && touch.count == 0 && touch.impact.time() <= time + within;
-      count += touch.is_now ? 1 : 0;
-    }
-    time = kNever;
     FreeBodies bodies(step);
-    for (int i = 0; goes_on && i < kReboundSweeps; ++i) {
-      for (const Touch& touch : touches_) {
-        if (!touch.is_now) continue;
-        bodies.part(contacts[touch.index], step.restitution * touch.impact.approach);
-      }
-    }
+    const std::size_t count = find_together(step, contacts, time, goes_on, bodies);
+    time = kNever;
     for (Touch& touch : touches_) {
       if (touch.is_now) touch.count = count;
       if (!goes_on || touch.count > 0 || !touch.is_free) continue;
@@ -138,6 +128,44 @@ void Rebounding::find(const PairStep& step, const FirstTouch& first,
       if (touches) time = std::min(time, touch.impact.time());
     }
   }
+}
+
+/// Marks what rebounds from a time on. Of what touches a little later, a place that what touches
+/// first takes away from the other body, as a corner does the edge beside it, does not rebound.
+///
+/// @param bodies  With their velocities before; get those that they part with.
+/// @return How many.
+std::size_t Rebounding::find_together(const PairStep& step, std::span<const Contact> contacts,
+                                      double time, bool goes_on, FreeBodies& bodies) {
+  const auto part = [&] {
+    for (int i = 0; i < kReboundSweeps; ++i) {
+      for (const Touch& touch : touches_) {
+        if (!touch.is_now) continue;
+        bodies.part(contacts[touch.index], step.restitution * touch.impact.approach);
+      }
+    }
+  };
+  std::size_t count = 0;
+  later_.clear();
+  for (Touch& touch : touches_) {
+    const double after = touch.impact.time() - time;
+    touch.is_now = touch.is_free && touch.count == 0 &&
+                   after <= (goes_on ? kTogetherWithin : kFirstTouchWithin) * step.time_step;
+    count += touch.is_now ? 1 : 0;
+    const bool may_be_now = touch.is_free && touch.count == 0 && !touch.is_now &&
+                            after <= kFirstTouchWithin * step.time_step;
+    if (may_be_now) later_.push_back(&touch);
+  }
+  if (!goes_on) return count;
+  part();
+  std::ranges::stable_sort(later_, {}, [](const Touch* touch) { return touch->impact.time(); });
+  for (Touch* touch : later_) {
+    if (!(bodies.speed_apart(contacts[touch->index]) < 0.0)) continue;
+    touch->is_now = true;
+    ++count;
+    part();
+  }
+  return count;
 }
 
 /// Whether the contact is at right angles to all that rebound now, but for those that only rest.

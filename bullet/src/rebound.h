@@ -11,6 +11,8 @@
 
 namespace voxshell::bullet {
 
+class FreeBodies;
+
 /// Which contacts of a step touch first.
 struct FirstTouch {
   double time = kNever;  ///< seconds from the start of the step on
@@ -52,10 +54,13 @@ class Rebounding {
     bool is_now = false;    ///< rebounds at the time that is looked at
   };
 
+  std::size_t find_together(const PairStep& step, std::span<const Contact> contacts, double time,
+                            bool goes_on, FreeBodies& bodies);
   bool is_of_another_wall(const PairStep& step, std::span<const Contact> contacts,
                           const Contact& contact) const;
 
   std::vector<Touch> touches_;
+  std::vector<Touch*> later_;  ///< those that may rebound now
 };
 
 /// The speed apart that a step ends with.

@@ -139,13 +139,65 @@ bool lies_toward(const Vec3& direction, const Vec3& place, double reach, Neighbo
   return body.distance(place + reach * direction) < body.distance(place - reach * direction);
 }
 
+/// A wall of the surface that a touch leans over.
+struct Wall {
+  Vec3 upwards;  ///< its normal
+  Vec3 aside;    ///< along it, where the touch leans to
+  Vec3 place;    ///< of the touch, or beside it where no other wall is near
+};
+
+/// The seam at a wall, if the touch is there, and the two bodies are flush.
+std::optional<Seam> find_seam_of(const Wall& wall, const Touch& touch, const Vec3& place,
+                                 double radius, const Union& both, Neighbor& body) {
+  const double reach = kSeamReach * radius;
+  const double step = kSeamStep * radius;
+  const auto& [upwards, aside, beside] = wall;
+  if (!leans(touch.normal, upwards)) return std::nullopt;
+  const Vec3 over = beside + reach * aside;
+  const double above = both.distance(over);
+  if (above > step || above < -reach) return std::nullopt;
+  // Over a face, not beside its edge.
+  if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
+  const Vec3 behind = beside - reach * aside + (step - above) * upwards;
+  if (both.distance(behind) < 0.0) return std::nullopt;
+  if (touch.gap <= step) {
+    // Beside a corner, what stands out may end at that very place.
+    if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
+    if (!lies_toward(upwards, touch.on_body, reach, body)) return std::nullopt;
+  }
+  const double gap = above + dot(touch.on_body - place, upwards);
+  // Bodies that the neighbor keeps apart arrive behind it.
+  if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;
+  return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
+}
+
+/// One of the two walls of a channel. Farther up the other one, it alone is near; and what leans
+/// over it leans away from that other one, too. None where there is no channel, or the touch does
+/// not lean over the neighbor.
+std::optional<Wall> wall_of_channel(const Vec3& normal, const Vec3& upwards, const Vec3& of_other,
+                                    const Vec3& place, double reach, const Union& both,
+                                    Neighbor& other, Neighbor& beside) {
+  const Vec3 up_the_other = leaning_over(of_other, upwards);
+  const Vec3 leaning = leaning_over(normal, upwards);
+  const Vec3 aside = leaning - dot(leaning, up_the_other) * up_the_other;
+  if (length(aside) < kSeamWall) return std::nullopt;
+  const Wall wall{upwards, normalized(aside), place + reach * up_the_other};
+  // The wall is the neighbor's there, and the touched body's behind.
+  const Vec3 above = wall.place + 0.5 * reach * upwards;
+  const auto is_of = [&](Neighbor& body, const Vec3& at) {
+    return body.distance(at) <= both.distance(at);
+  };
+  if (!is_of(beside, above + reach * wall.aside)) return std::nullopt;
+  if (!is_of(other, above - reach * wall.aside)) return std::nullopt;
+  return wall;
+}
+
 /// The seam of `other`, which the touch is with, and `beside`, if the touch of the body is there
 /// and leans out of their plane.
 std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double radius,
                               Neighbor& body, Neighbor& other, Neighbor& beside) {
   if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
-  const double step = kSeamStep * radius;
   const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
   if (beside.distance(place) > reach) return std::nullopt;
   const Union both(other, beside);
@@ -157,22 +209,20 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
     upwards = both.outwards(place + reach * (aside + upwards));
     if (!leans(touch.normal, upwards)) return std::nullopt;
   }
-  const Vec3 over = place + reach * aside;
-  const double above = both.distance(over);
-  if (above > step || above < -reach) return std::nullopt;
-  // Over a face, not beside its edge.
-  if (both.distance(over - (above + step) * upwards) > kSeamBeside * step) return std::nullopt;
-  const Vec3 behind = place - reach * aside + (step - above) * upwards;
-  if (both.distance(behind) < 0.0) return std::nullopt;
-  if (touch.gap <= step) {
-    // Beside a corner, what stands out may end at that very place.
-    if (dot(both.outwards(behind), upwards) < kSeamFlush) return std::nullopt;
-    if (!lies_toward(upwards, touch.on_body, reach, body)) return std::nullopt;
+  const Vec3 of_other_wall =
+      both.outwards(place + reach * (leaning_over(touch.normal, upwards) + upwards));
+  const auto seam = find_seam_of({upwards, aside, place}, touch, place, radius, both, body);
+  const bool is_channel = &beside != &other && length(cross(of_other_wall, upwards)) > kSeamWall;
+  if (seam || !is_channel) return seam;
+  for (const auto& [first, second] :
+       {std::pair(upwards, of_other_wall), {of_other_wall, upwards}}) {
+    const auto wall =
+        wall_of_channel(touch.normal, first, second, place, reach, both, other, beside);
+    if (!wall) continue;
+    const auto of_wall = find_seam_of(*wall, touch, place, radius, both, body);
+    if (of_wall) return of_wall;
   }
-  const double gap = above + dot(touch.on_body - place, upwards);
-  // Bodies that the neighbor keeps apart arrive behind it.
-  if (gap < std::min(touch.gap, 0.0) - reach) return std::nullopt;
-  return Seam{upwards, gap, dot(touch.normal, upwards) >= kTurnedCosine};
+  return std::nullopt;
 }
 
 /// What is to become of a contact.

@@ -23,7 +23,6 @@ namespace {
 struct Touch {
   Vec3f place;
   double gap;       ///< that is left there, not negative, meters
-  double closing;   ///< how much of the gap the displacement closes up to there, meters
   Vec3 outwards;    ///< the field's normal
   double along;     ///< how far along its edge the place has moved, meters
   double fraction;  ///< of the step
@@ -58,26 +57,129 @@ struct SurfacePoint {
   }
 };
 
+/// A corner of a shape of Bullet's.
+struct Corner {
+  const Field* own;
+  Vec3 place;          ///< own body's frame
+  Pose path_from_own;  ///< as of a SurfacePoint
+};
+
 /// The place of a curved surface that faces a face of the other body, as long as it does.
 struct FacingPlace {};
 
 /// What is followed: a point of a surface, a piece of an edge, a place that faces, or one that
 /// knows nothing of its surface.
-using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, FacingPlace>;
+using Element = std::variant<std::monostate, SurfacePoint, EdgePiece, Corner, FacingPlace>;
+
+/// The normal with which something that is followed touches a field: it is one of both bodies.
+template <class F>
+class NormalOfTouch {
+ public:
+  /// @param path, field_from_path, offset  As of find_touch().
+  NormalOfTouch(const PairStep& step, const F& field, const Path& path, const Pose& field_from_path,
+                double offset, const Advance& reached, Touch& touch)
+      : step_(step),
+        field_(field),
+        path_(path),
+        field_from_path_(field_from_path),
+        offset_(offset),
+        reached_(reached),
+        touch_(touch) {}
+
+  /// Where an edge of the field is flush with one of the body, rounding decides on its normal:
+  /// takes the one that both bodies show there.
+  template <class Own>
+  void agree(const Own& own, const Vec3& place, const Pose& path_from_own) {
+    const Vec3 direction = toward_from(path_from_own);
+    const Vec3 shown = normal_outside(own, place, direction, step_.touching_gap());
+    if (dot(shown, direction) >= kForemostCosine) return;
+    const Vec3 outwards = -in_field(path_from_own, shown);
+    const Vec3 gap = (reached_.gap + offset_) * touch_.outwards;
+    const Vec3 of_field = normal_outside(field_, on_field(), outwards, step_.touching_gap());
+    if (dot(of_field, outwards) < kForemostCosine) return;
+    touch_.outwards = of_field;
+    touch_.gap = std::max(dot(gap, of_field) - offset_, 0.0);
+  }
+
+  /// False of what does not touch, as something beside it comes before.
+  bool settle(const SurfacePoint& point) {
+    if (!point.is_on_curve) agree(*point.own, point.place, point.path_from_own);
+    const Vec3 out_of_field = -in_field(point.path_from_own, point.normal);
+    const double cosine = dot(touch_.outwards, out_of_field);
+    if (cosine >= -static_cast<double>(kAlignedCosine)) return true;
+    // The tangent along which the two normals differ.
+    const Vec3 tangent = normalized(touch_.outwards - cosine * out_of_field);
+    if (!point.is_straighter(in_own(point.path_from_own, tangent), field_, on_field(),
+                             touch_.outwards, tangent, step_.ball.radius)) {
+      return !point.ends_at_edges ||
+             shows(*point.own, point.place, toward_from(point.path_from_own));
+    }
+    const auto depth = depth_along(field_, static_cast<Vec3>(touch_.place), out_of_field, offset_,
+                                   kColumnGaps * step_.touching_gap());
+    if (!depth) return false;
+    touch_.outwards = out_of_field;
+    touch_.gap = std::max(-*depth, 0.0);
+    return true;
+  }
+  bool settle(const EdgePiece& edge) {
+    if (touch_.along != 0.0) return true;
+    agree(*edge.own, edge.place, edge.path_from_own);
+    if (step_.restitution > 0.0) return true;
+    const auto around = around_edge(edge.along, toward_from(edge.path_from_own));
+    return !around || shows(*edge.own, edge.place, *around);
+  }
+  bool settle(const Corner& corner) {
+    agree(*corner.own, corner.place, corner.path_from_own);
+    return true;
+  }
+  bool settle(const FacingPlace& /*place*/) {
+    const double distance = kFlatScales[0] * step_.ball.radius;
+    return bend_of(field_, on_field(), touch_.outwards, distance) <= kEdgeBend;
+  }
+  bool settle(std::monostate /*unknown*/) { return true; }
+
+ private:
+  /// Directions of the own body, where it has turned to by then.
+  Vec3 in_field(const Pose& path_from_own, const Vec3& direction) const {
+    return field_from_path_.rotate(
+        path_.turned_at(reached_.fraction, path_from_own.rotate(direction)));
+  }
+  Vec3 in_own(const Pose& path_from_own, const Vec3& direction) const {
+    return path_from_own.inverse().rotate(
+        path_.turned_back(reached_.fraction, field_from_path_.inverse().rotate(direction)));
+  }
+  /// Toward the other body.
+  Vec3 toward_from(const Pose& path_from_own) const {
+    return in_own(path_from_own, -touch_.outwards);
+  }
+  Vec3 on_field() const {
+    return static_cast<Vec3>(touch_.place) - (reached_.gap + offset_) * touch_.outwards;
+  }
+  template <class Own>
+  bool shows(const Own& own, const Vec3& place, const Vec3& direction) const {
+    const double distance = kOutsideOfMargin * step_.rest_margin;
+    return dot(normal_outside(own, place, direction, distance), direction) >= kForemostCosine;
+  }
+
+  const PairStep& step_;
+  const F& field_;
+  const Path& path_;
+  const Pose& field_from_path_;
+  double offset_;
+  const Advance& reached_;
+  Touch& touch_;
+};
 
 /// @param path             Of what is followed, in the frame of the shell.
 /// @param field_from_path  Its pose in the field, at the start of the step.
-/// @param displacement     Of its place at the velocity that it begins the step with, which is what
-/// solvers change; field's frame.
 /// @param steps            For how long it is followed.
 /// @param offset           How much nearer the surface is than the field's zero: for balls, and for
 /// Bullet's margins. Meters.
 /// @param element          What is followed.
 template <class F>
 std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path& path,
-                                const Pose& field_from_path, const Vec3& displacement, double steps,
-                                double offset, const Element& element) {
-  const auto* point = std::get_if<SurfacePoint>(&element);
+                                const Pose& field_from_path, double steps, double offset,
+                                const Element& element) {
   const auto* edge = std::get_if<EdgePiece>(&element);
   Crossing crossing;
   const auto place_at = [&](double fraction) {
@@ -85,63 +187,23 @@ std::optional<Touch> find_touch(const PairStep& step, const F& field, const Path
     if (edge == nullptr) return static_cast<Vec3f>(place);
     const double way = step.restitution > 0.0 ? fraction * path.length()
                                               : std::max(path.length(), step.touching_gap());
-    crossing = find_crossing(*edge, field, place, way);
-    return static_cast<Vec3f>(place + crossing.along * edge->along_in_field);
+    EdgePiece turned = *edge;
+    turned.along_in_field =
+        field_from_path.rotate(path.turned_at(fraction, edge->path_from_own.rotate(edge->along)));
+    crossing = find_crossing(turned, field, place, way);
+    return static_cast<Vec3f>(place + crossing.along * turned.along_in_field);
   };
   const auto reached = advance(path.length(), step.touching_gap(), steps, [&](double fraction) {
     return clearance_of(field, place_at(fraction), offset);
   });
   if (!reached) return std::nullopt;
-  Touch touch{
-      place_at(reached->fraction), std::max(reached->gap, 0.0), 0.0, {}, 0.0, reached->fraction};
+  Touch touch{place_at(reached->fraction), std::max(reached->gap, 0.0), {}, 0.0, reached->fraction};
   touch.along = crossing.along;
   touch.outwards = normalized(
       crossing.along != 0.0 ? crossing.outwards : static_cast<Vec3>(field.gradient(touch.place)));
-  if (std::holds_alternative<FacingPlace>(element)) {
-    const Vec3 on_field = static_cast<Vec3>(touch.place) - (reached->gap + offset) * touch.outwards;
-    const double distance = kFlatScales[0] * step.ball.radius;
-    if (bend_of(field, on_field, touch.outwards, distance) > kEdgeBend) return std::nullopt;
-  }
-  // Toward the other body, in the frame of the own one.
-  const auto toward_from = [&](const Pose& path_from_own) {
-    return path_from_own.inverse().rotate(
-        path.turned_back(reached->fraction, field_from_path.inverse().rotate(-touch.outwards)));
-  };
-  const auto shows = [&](const auto& own, const Vec3& place, const Vec3& direction) {
-    const double distance = kOutsideOfMargin * step.rest_margin;
-    return dot(normal_outside(own, place, direction, distance), direction) >= kForemostCosine;
-  };
-  if (point != nullptr) {
-    const Vec3 out_of_field = -field_from_path.rotate(
-        path.turned_at(reached->fraction, point->path_from_own.rotate(point->normal)));
-    const double cosine = dot(touch.outwards, out_of_field);
-    if (cosine < -static_cast<double>(kAlignedCosine)) {
-      const auto place = static_cast<Vec3>(touch.place);
-      const Vec3 on_field = place - (reached->gap + offset) * touch.outwards;
-      // The tangent along which the two normals differ.
-      const Vec3 tangent = normalized(touch.outwards - cosine * out_of_field);
-      const Vec3 own_tangent = point->path_from_own.inverse().rotate(
-          path.turned_back(reached->fraction, field_from_path.inverse().rotate(tangent)));
-      if (point->is_straighter(own_tangent, field, on_field, touch.outwards, tangent,
-                               step.ball.radius)) {
-        const auto depth =
-            depth_along(field, place, out_of_field, offset, kColumnGaps * step.touching_gap());
-        if (!depth) return std::nullopt;
-        touch.outwards = out_of_field;
-        touch.gap = std::max(-*depth, 0.0);
-      } else if (point->ends_at_edges &&
-                 !shows(*point->own, point->place, toward_from(point->path_from_own))) {
-        return std::nullopt;
-      }
-    }
-  }
-  if (edge != nullptr && touch.along == 0.0 && !(step.restitution > 0.0)) {
-    const auto around = around_edge(edge->along, toward_from(edge->path_from_own));
-    if (around && !shows(*edge->own, edge->place, *around)) return std::nullopt;
-  }
-  const double closing = -dot(displacement, touch.outwards);
-  if (!(closing > 0.0)) return std::nullopt;
-  touch.closing = reached->fraction * closing;
+  NormalOfTouch<F> normal(step, field, path, field_from_path, offset, *reached, touch);
+  const bool touches = std::visit([&](const auto& known) { return normal.settle(known); }, element);
+  if (!touches) return std::nullopt;
   return touch;
 }
 
@@ -179,8 +241,13 @@ Element element_of(const PosedPair& pair, const Feature& feature, const Pose& fi
   const Field& field = pair.field();
   const bool is_straight =
       std::holds_alternative<CylinderField>(field) || std::holds_alternative<CapsuleField>(field);
-  if (!is_straight || feature.radius > 0.0) return {};
+  if (feature.radius > 0.0) return {};
   const Vec3 place = field_from_shell.transform_point(feature.place);
+  if (!is_straight) {
+    // Planes that bound a hull have no normals between them.
+    if (std::holds_alternative<ConvexField>(field)) return {};
+    return Corner{&field, place, field_from_shell.inverse()};
+  }
   const Vec3 normal = std::visit(
       [&](const auto& typed) {
         return normalized(static_cast<Vec3>(typed.gradient(static_cast<Vec3f>(place))));
@@ -189,29 +256,46 @@ Element element_of(const PosedPair& pair, const Feature& feature, const Pose& fi
   return SurfacePoint{&field, place, normal, field_from_shell.inverse(), true, false};
 }
 
+/// How much of its gap a contact closes in a step, where it acts, meters.
+double closing_at(const PairStep& step, const RelativeMotion& motion, const Contact& contact) {
+  const Vec3 velocity =
+      motion.velocity_at(static_cast<Vec3>(contact.point)) + motion.velocity_of_fall;
+  return -dot(velocity, static_cast<Vec3>(contact.normal)) * step.time_step;
+}
+
+/// The depth of a contact that touches later, whose normal and place are given: the velocity that
+/// its place begins the step with, which is what solvers change, takes it there; none where it does
+/// not. Another place, of the other body or of the same edge, may turn by more in the step.
+std::optional<float> depth_of(const PairStep& step, const RelativeMotion& motion,
+                              const Touch& touch, const Contact& contact) {
+  const double closing = closing_at(step, motion, contact);
+  if (!(closing > 0.0)) return std::nullopt;
+  return static_cast<float>(-(touch.fraction * closing + touch.gap) - step.thickness);
+}
+
 /// Of a feature, or a point of the second shell, in the field of the shell's model.
 std::optional<Contact> find_in_shell_body(const PairStep& step, const RelativeMotion& motion,
                                           const Feature& feature, std::uint32_t id, double steps,
                                           const Element& element) {
   const PosedPair& pair = *step.pair;
   const GridField& field = pair.shell_side().model()->grid();
-  const Vec3 displacement =
-      -step.time_step * (motion.velocity_at(feature.place) + motion.velocity_of_fall);
   const Path path(motion.reversed(), feature.place, step.time_step);
-  const auto touch = find_touch(step, field, path, Pose{}, displacement, steps,
-                                feature.radius + step.thickness, element);
+  const auto touch =
+      find_touch(step, field, path, Pose{}, steps, feature.radius + step.thickness, element);
   if (!touch) return std::nullopt;
   const auto outwards = static_cast<Vec3f>(touch->outwards);
   Feature slid = feature;
   if (const auto* edge = std::get_if<EdgePiece>(&element)) {
     slid.place = slid.place + touch->along * edge->along_in_field;
   }
-  Contact touching =
-      contact_of(slid, id, outwards, -(touch->closing + touch->gap) - step.thickness);
+  Contact touching = contact_of(slid, id, outwards, -step.thickness);
   // The shell's place, as in put_on_field().
-  if (id < kFirstFeature && step.larger == &pair.field_side()) {
-    touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
-  }
+  const bool is_larger = id < kFirstFeature && step.larger == &pair.field_side();
+  if (is_larger) touching.point = touch->place - static_cast<float>(touch->gap) * outwards;
+  const auto depth = depth_of(step, motion, *touch, touching);
+  if (!depth) return std::nullopt;
+  touching.depth = *depth;
+  if (!is_larger) touching = contact_of(slid, id, outwards, static_cast<double>(*depth));
   if (id < kFirstFeature) {
     RoundTouch(step, motion, touch->fraction, touch->gap).move(path, touching);
   }
@@ -235,9 +319,7 @@ void widen(const PairStep& step, double closing, Contact& plane) {
 
 /// When the bodies reach a plane, as a fraction of the step.
 double time_of(const PairStep& step, const RelativeMotion& motion, const Contact& plane) {
-  const Vec3 velocity =
-      motion.velocity_at(static_cast<Vec3>(plane.point)) + motion.velocity_of_fall;
-  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  const double closing = closing_at(step, motion, plane);
   const double gap = -static_cast<double>(plane.depth) - step.thickness;
   return closing > 0.0 ? gap / closing : kNever;
 }
@@ -268,29 +350,28 @@ std::optional<Contact> follow_place(const PairStep& step, const RelativeMotion& 
     return find_in_shell_body(step, motion, {place, 0.0}, contact.id, steps, element);
   }
   const auto point = static_cast<Vec3>(contact.point);
-  const Vec3 displacement = step.field_from_shell.rotate(
-      step.time_step * (motion.velocity_at(point) + motion.velocity_of_fall));
   const Path path(motion, point, step.time_step);
   const Element element = !turns ? Element(FacingPlace{})
                                  : element_of(step, pair.shell_side(), contact, contact.id, point,
                                               Pose{}, step.field_from_shell);
   const auto touch = std::visit(
       [&](const auto& field) {
-        return find_touch(step, field, path, step.field_from_shell, displacement, steps,
-                          step.thickness, element);
+        return find_touch(step, field, path, step.field_from_shell, steps, step.thickness, element);
       },
       pair.field());
   if (!touch) return std::nullopt;
   Contact touching = contact;
   touching.normal = static_cast<Vec3f>(step.field_from_shell.inverse().rotate(touch->outwards));
-  touching.depth = static_cast<float>(-(touch->closing + touch->gap) - step.thickness);
   if (const auto* edge = std::get_if<EdgePiece>(&element)) {
     touching.point = static_cast<Vec3f>(point + touch->along * edge->along);
   }
-  if (is_shell_larger(step)) {
-    const double apart = touch->gap + step.thickness;
-    put_on_field(step, static_cast<Vec3>(touch->place) - apart * touch->outwards, touching);
-  }
+  const double apart = touch->gap + step.thickness;
+  const Vec3 on_field = static_cast<Vec3>(touch->place) - apart * touch->outwards;
+  if (is_shell_larger(step)) put_on_field(step, on_field, touching);
+  const auto depth = depth_of(step, motion, *touch, touching);
+  if (!depth) return std::nullopt;
+  touching.depth = *depth;
+  if (is_shell_larger(step)) put_on_field(step, on_field, touching);
   RoundTouch(step, motion, touch->fraction, touch->gap).move(path, touching);
   return touching;
 }
@@ -320,8 +401,7 @@ void allow_motion(const PairStep& step, const RelativeMotion& motion,
                   std::span<const Feature> features, const Contact& found, double allowed,
                   Contact& plane) {
   if (step.pair->has_triangles()) return;
-  const Vec3 velocity = motion.velocity_at(static_cast<Vec3>(plane.point));
-  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  const double closing = closing_at(step, motion, plane);
   if (closing <= impact_of(step, plane).gap) return;
   PairStep thinner = step;
   thinner.thickness -= allowed;
@@ -333,9 +413,7 @@ void allow_motion_after(const PairStep& step, const AfterTouch& after,
                         std::span<const Feature> features, const Contact& found, Contact& plane) {
   if (step.pair->has_triangles()) return;
   // The solver has bodies move like that from the start of the step on.
-  const Vec3 velocity =
-      after.motion.velocity_at(static_cast<Vec3>(plane.point)) + after.motion.velocity_of_fall;
-  const double closing = -dot(velocity, static_cast<Vec3>(plane.normal)) * step.time_step;
+  const double closing = closing_at(step, after.motion, plane);
   if (closing <= impact_of(step, plane).gap) return;
   PairStep rest = step;
   rest.time_step = (1.0 - after.fraction) * step.time_step;

@@ -26,6 +26,23 @@ def rails(kind: str) -> vx.Compound | vx.Model:
     return vx.Model.from_mesh(trimesh.util.concatenate(bars), cache=False)
 
 
+def measure_acceleration(kind, drawer, rate, start):
+    world = vx.World(time_step=1 / rate)
+    world.add(vx.Plane(), mass=0, friction=0)
+    world.add(rails(kind), mass=0, friction=1)
+    half = np.array((LENGTH, WIDTH, HEIGHT)) / 2
+    shape = vx.Box(half) if drawer == "box" else trimesh.creation.box(2 * half)
+    body = world.add(shape, mass=1, friction=FRICTION, pose=(start, 0, HEIGHT / 2))
+
+    def push(_):
+        body.apply_force((FORCE, 0, 0), at=(body.pose @ (-LENGTH / 2, LEVER, 0, 1))[:3])
+
+    world.step(round(0.4 * rate), before=push)
+    before = body.linear_velocity[0]
+    world.step(round(0.4 * rate), before=push)
+    return (body.linear_velocity[0] - before) / 0.4
+
+
 # Drawers of Bullet's between model rails, and the reverse, did not move: their lower edges are
 # flush with the rails', which have two normals there. At 60 Hz, the first step turned all of them
 # by 1 mm into their rails. Bullet's own shapes still are, at 30 Hz.
@@ -40,22 +57,11 @@ def rails(kind: str) -> vx.Compound | vx.Model:
     ],
 )
 def test_a_drawer_slides_as_statics_predicts(kind, drawer, rate):
-    world = vx.World(time_step=1 / rate)
-    world.add(vx.Plane(), mass=0, friction=0)
-    world.add(rails(kind), mass=0, friction=1)
-    half = np.array((LENGTH, WIDTH, HEIGHT)) / 2
-    shape = vx.Box(half) if drawer == "box" else trimesh.creation.box(2 * half)
-    body = world.add(shape, mass=1, friction=FRICTION, pose=(-0.6, 0, HEIGHT / 2))
-
-    def push(_):
-        body.apply_force((FORCE, 0, 0), at=(body.pose @ (-LENGTH / 2, LEVER, 0, 1))[:3])
-
-    world.step(round(0.4 * rate), before=push)
-    before = body.linear_velocity[0]
-    world.step(round(0.4 * rate), before=push)
+    starts = -0.6 + 0.003 * np.arange(9)
+    accelerations = [measure_acceleration(kind, drawer, rate, start) for start in starts]
     # The drawer is turned by its play, and two of its corners carry it.
     turn = 2 * PLAY / LENGTH
     lever = LEVER * np.cos(turn) + LENGTH / 2 * np.sin(turn)
     between = LENGTH * np.cos(turn) - WIDTH * np.sin(turn)
     acceleration = FORCE * (1 - 2 * FRICTION * lever / between)
-    assert (body.linear_velocity[0] - before) / 0.4 == pytest.approx(acceleration, rel=0.05)
+    assert np.median(accelerations) == pytest.approx(acceleration, rel=0.05)
