@@ -149,8 +149,8 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
        {0xd0397f21179f45a1, 0xac5e2fc76e45e05d, 0xd9a2c692aae61b69, 0x889983cdfc69a8c4,
         0x0c4fe3fcdca1ba91, 0x614c62258232326b}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xe9d617a56d4220f1, 0x6c07aa47ad439274, 0xdfe0c3e0ba52314b, 0x3802a68b8980ce22,
-        0x4a84e2fa21fd3089, 0x522330cff26d1a72}},
+       {0x92e4213f58461c37, 0x64776ab2b451a6c0, 0x96fd37327cc897e1, 0x97c157e96b6747fb,
+        0xead7cc0b36c851d7, 0xfba46d70298966b8}},
   };
   return hashes;
 }
