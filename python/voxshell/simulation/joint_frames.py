@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,9 @@ from voxshell import _bullet
 from voxshell.base.arguments import as_vector
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.base.poses import invert
+from voxshell.base.user_warnings import warn_user
 from voxshell.errors import InputTypeError, SettingsError
+from voxshell.model.accuracy import AccuracyWarning
 from voxshell.simulation.joint_kinds import (
     FixedJoint,
     HingeJoint,
@@ -24,6 +27,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.simulation.body import Body
+
+# Joints of files are rounded. Bodies that begin farther off jump visibly.
+_MOST_ANGLE = 0.02  # radians
+_MOST_OFF = 0.02  # radii of gyration
 
 
 @dataclass(frozen=True)
@@ -90,6 +97,7 @@ def make_settings(
         armature = float(kind.armature)
         if kind.limits is not None:
             lower, upper = (float(limit) for limit in kind.limits)
+    _doubt_start(kind, parent, child, parent_from_joint, child_from_joint)
     return _bullet.JointSettings(
         kind=kind._kind,
         parent=-1 if parent is None else parent.number,
@@ -104,6 +112,41 @@ def make_settings(
         spring_position=spring_position,
         armature=armature,
         collides=collide,
+    )
+
+
+def _doubt_start(
+    kind: JointKind,
+    parent: Body | None,
+    child: Body,
+    parent_from_joint: NDArray[np.float64],
+    child_from_joint: NDArray[np.float64],
+) -> None:
+    """Warn of bodies that begin where the joint does not let them be. The axis is x."""
+    of_parent = (np.eye(4) if parent is None else parent.pose) @ parent_from_joint
+    of_child = child.pose @ child_from_joint
+    axis = of_parent[:3, 0]
+    off = of_child[:3, 3] - of_parent[:3, 3]
+    if isinstance(kind, SliderJoint):
+        off = off - (off @ axis) * axis
+    turn = of_parent[:3, :3].T @ of_child[:3, :3]
+    if isinstance(kind, HingeJoint):
+        angle = math.atan2(math.hypot(turn[1, 0], turn[2, 0]), turn[0, 0])
+    elif isinstance(kind, PointJoint):
+        angle = 0.0
+    else:
+        sine = 0.5 * np.linalg.norm((turn - turn.T)[[0, 0, 1], [1, 2, 2]])
+        angle = math.atan2(sine, 0.5 * (np.trace(turn) - 1.0))
+    moved = child if parent is None or child.motion == "dynamic" else parent
+    gyration = math.sqrt(np.trace(moved.inertia) / (2.0 * moved.mass))
+    distance = float(np.linalg.norm(off))
+    if angle <= _MOST_ANGLE and distance <= _MOST_OFF * gyration:
+        return
+    warn_user(
+        f"the frames of the joint in its two bodies begin {np.degrees(angle):.3g} degrees and "
+        f"{distance:.3g} m apart where it cannot move, so the bodies will jump: move one of them, or "
+        "pass child_from_joint, or world_from_joint alone",
+        AccuracyWarning,
     )
 
 

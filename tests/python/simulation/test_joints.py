@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -42,6 +43,33 @@ def test_motor_reaches_its_velocity_along_its_axis(bar, kind, axis, velocity):
         np.testing.assert_allclose(body.pose, start @ turned, atol=5e-3)
     else:
         np.testing.assert_allclose(body.pose[:3, 3], joint.position * along, atol=1e-3)
+
+
+# A wheel whose hinge had other axes in its frame than in the chassis' was accepted, and jumped.
+@pytest.mark.parametrize(
+    ("kind", "turn", "off", "message"),
+    [
+        (vx.HingeJoint((0, 1, 0)), (math.pi / 2, 0, 0), (0, 0, 0), "90 degrees and 0 m"),
+        (vx.HingeJoint((0, 1, 0)), (0, 0.7, 0), (0, 0, 0), None),
+        (vx.HingeJoint((0, 1, 0)), (0, 0, 0), (0, 0.01, 0), "0 degrees and 0.01 m"),
+        (vx.SliderJoint((0, 1, 0)), (0, 0, 0), (0, 0.3, 0), None),
+        (vx.SliderJoint((0, 1, 0)), (0, 0, 0), (0.01, 0.3, 0), "0 degrees and 0.01 m"),
+        (vx.SliderJoint((0, 1, 0)), (0, 0.5, 0), (0, 0, 0), "28.6 degrees"),
+        (vx.PointJoint(), (1.0, 0.5, 0), (0, 0, 0), None),
+        (vx.FixedJoint(), (0.5, 0, 0), (0, 0, 0), "28.6 degrees"),
+        (vx.FixedJoint(), (0.001, 0, 0), (1e-5, 0, 0), None),
+    ],
+)
+@pytest.mark.parametrize("is_on_world", [False, True])
+def test_joints_whose_frames_do_not_coincide_warn(kind, turn, off, message, is_on_world):
+    world = vx.World()
+    chassis = None if is_on_world else world.add(vx.Box((0.17, 0.08, 0.025)), mass=4)
+    place = np.array((0.12, 0.1, 0.0))
+    wheel = world.add(vx.Cylinder(0.05, 0.03), mass=0.3, pose=vx.pose(place + off, euler=turn))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        world.add_joint(kind, chassis, wheel, parent_from_joint=vx.pose(place))
+    assert [message in str(each.message) for each in caught] == ([True] if message else [])
 
 
 @pytest.mark.parametrize("turns", [0.4, 2.25, -3.6])
