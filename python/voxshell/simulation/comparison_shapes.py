@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -14,10 +14,14 @@ from voxshell.model.meshes import Mesh, read_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import TypeAlias
 
+    import trimesh
     from numpy.typing import ArrayLike, NDArray
 
     from voxshell.model.meshes import MeshLike
+
+    HullPoints: TypeAlias = ArrayLike | Mesh | trimesh.Trimesh
 
 MARGIN = 0.001
 """Bullet's collision margin of these shapes, meters; small enough for bodies of 0.1 m."""
@@ -60,7 +64,8 @@ class ConvexDecomposition:
     """Convex hulls that together represent a body, as a compound shape of Bullet.
 
     Args:
-        hulls: Points of each hull, (n, 3), meters, body frame; at least one hull.
+        hulls: Points of each hull, (n, 3), meters, body frame, or a mesh, whose vertices are taken;
+            at least one hull.
         margin: Bullet's collision margin, meters; hulls keep this distance from other bodies.
 
     Raises:
@@ -73,13 +78,13 @@ class ConvexDecomposition:
         >>> import voxshell as vx
         >>> left = trimesh.creation.box(bounds=[(0, 0, 0), (1, 1, 1)])
         >>> right = trimesh.creation.box(bounds=[(1, 0, 0), (2, 1, 3)])
-        >>> vx.ConvexDecomposition([left.vertices, right.vertices])
+        >>> vx.ConvexDecomposition([left, right])
         ConvexDecomposition(2 hulls, 16 points)
     """
 
     __slots__ = ("hulls", "margin", "mesh")
 
-    def __init__(self, hulls: Iterable[ArrayLike], *, margin: float = MARGIN) -> None:
+    def __init__(self, hulls: Iterable[HullPoints], *, margin: float = MARGIN) -> None:
         if not is_iterable(hulls):
             raise InputTypeError(
                 f"hulls must be arrays of points, one for each hull, not {type(hulls).__name__}"
@@ -102,7 +107,8 @@ class ConvexHull(ConvexDecomposition):
     """The convex hull of a set of points.
 
     Args:
-        points: (n, 3), meters, body frame; points inside the hull only cost time.
+        points: (n, 3), meters, body frame, or a mesh, whose vertices are taken; points inside the
+            hull only cost time.
         margin: Bullet's collision margin, meters.
 
     Raises:
@@ -112,17 +118,17 @@ class ConvexHull(ConvexDecomposition):
     Example:
         >>> import trimesh
         >>> import voxshell as vx
-        >>> vx.ConvexHull(trimesh.creation.box().vertices)
+        >>> vx.ConvexHull(trimesh.creation.box())
         ConvexHull(8 points)
     """
 
     __slots__ = ()
 
-    def __init__(self, points: ArrayLike, *, margin: float = MARGIN) -> None:
+    def __init__(self, points: HullPoints, *, margin: float = MARGIN) -> None:
         super().__init__([points], margin=margin)
 
     @classmethod
-    def sampled(cls, points: ArrayLike, *, margin: float = MARGIN) -> ConvexHull:
+    def sampled(cls, points: HullPoints, *, margin: float = MARGIN) -> ConvexHull:
         """Return the hull of the farthest points in the 42 directions of Bullet's btShapeHull.
 
         Games use such hulls. The thesis (section 5.3) calls this its convex hull of 42 vertices.
@@ -130,7 +136,7 @@ class ConvexHull(ConvexDecomposition):
         Example:
             >>> import trimesh
             >>> import voxshell as vx
-            >>> len(vx.ConvexHull.sampled(trimesh.creation.icosphere(4).vertices).hulls[0])
+            >>> len(vx.ConvexHull.sampled(trimesh.creation.icosphere(4)).hulls[0])
             42
         """
         return cls(_bullet.sample_hull(_as_hull(points, "points")), margin=margin)
@@ -139,8 +145,9 @@ class ConvexHull(ConvexDecomposition):
         return f"ConvexHull({len(self.hulls[0])} points)"
 
 
-def _as_hull(points: ArrayLike, name: str) -> NDArray[np.float64]:
-    hull = as_floats(points, name, (None, 3), MeshError)
+def _as_hull(points: HullPoints, name: str) -> NDArray[np.float64]:
+    corners = cast("ArrayLike", getattr(points, "vertices", points))
+    hull = as_floats(corners, name, (None, 3), MeshError)
     if len(hull) < 4:
         raise MeshError(f"{name} has {len(hull)} points; a hull needs at least 4")
     if not np.isfinite(hull).all():

@@ -22,6 +22,14 @@ def test_hull_mesh_is_the_hull():
     assert heights.max() < 2e-4 * np.ptp(points, axis=0).max()
 
 
+def test_a_mesh_is_taken_for_its_vertices():
+    mesh = trimesh.creation.icosphere(1)
+    for points in (mesh, vx.Mesh(mesh.vertices, mesh.faces)):
+        np.testing.assert_array_equal(vx.ConvexHull(points).hulls[0], mesh.vertices)
+    with pytest.raises(vx.MeshError, match=r"hulls\[0\] must be \(n, 3\) numbers"):
+        vx.ConvexHull("part.stl")
+
+
 def test_sampled_hull_has_at_most_42_vertices_and_lies_inside():
     points = trimesh.creation.icosphere(4).vertices * (1.0, 0.5, 2.0)
     hull = vx.ConvexHull.sampled(points)
