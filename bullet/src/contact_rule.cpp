@@ -1,9 +1,11 @@
 #include "contact_rule.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "contact_constants.h"
@@ -85,18 +87,24 @@ std::optional<Vec3> carry(const PairStep& step, const Vec3& fall,
 
 /// How the bodies may move along what they touch if one of them falls and something holds the
 /// other one. Where that gives way, they are faster.
-void find_carried_motions(const PairStep& step, std::span<const Contact> contacts,
-                          std::vector<RelativeMotion>& motions) {
-  motions.clear();
-  if (!step.looks_ahead()) return;
-  for (const RelativeMotion& stopped : step.if_stopped) {
-    if (stopped.velocity_of_fall == Vec3{}) continue;
-    const auto fall = carry(step, stopped.velocity_of_fall, contacts);
-    if (!fall) continue;
-    motions.push_back(step.motion);
-    motions.back().velocity_of_fall = kCcdReach * *fall;
+class CarriedMotions {
+ public:
+  CarriedMotions(const PairStep& step, std::span<const Contact> contacts) {
+    if (!step.looks_ahead()) return;
+    for (const RelativeMotion& stopped : step.if_stopped) {
+      if (stopped.velocity_of_fall == Vec3{}) continue;
+      const auto fall = carry(step, stopped.velocity_of_fall, contacts);
+      if (!fall) continue;
+      motions_[count_] = step.motion;
+      motions_[count_++].velocity_of_fall = kCcdReach * *fall;
+    }
   }
-}
+  std::span<const RelativeMotion> all() const { return std::span(motions_).first(count_); }
+
+ private:
+  std::array<RelativeMotion, 2> motions_{};
+  std::size_t count_ = 0;
+};
 
 /// What a contact that does not touch where it is becomes in a step with CCD.
 struct Followed {
@@ -134,7 +142,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   bool touches_from_above = false;
   RelativeMotion freely = step.motion;
   freely.velocity_of_fall = {};
-  find_carried_motions(step, contacts, memory.carried);
+  const CarriedMotions carried_motions(step, contacts);
   // What is kept may overwrite the contact that is looked at.
   const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
@@ -143,7 +151,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found)) &&
         !(memory.turning.speed_of(found.id) > 0.0)) {
       allow_motion(step, freely, features, found, 0.0, judged);
-      for (const RelativeMotion& carried : memory.carried) {
+      for (const RelativeMotion& carried : carried_motions.all()) {
         allow_motion(step, carried, features, found, 2.0 * step.touching_gap(), judged);
       }
       for (const RelativeMotion& turned : memory.turning.motions()) {

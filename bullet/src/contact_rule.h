@@ -26,12 +26,11 @@ struct Aside {
 struct PairMemory {
   double owed_energy = 0.0;  ///< see Rebound
   RestingPatch patch;
-  std::optional<Pose> held_b_from_a;    ///< see Hold
-  std::vector<std::uint8_t> beside;     ///< room for a mark of each contact
-  std::vector<Contact> found;           ///< room for the contacts where they are now
-  std::vector<std::uint8_t> met;        ///< room for another mark of each contact
-  std::vector<Vec3f> normals;           ///< room for those of the faces that touch
-  std::vector<RelativeMotion> carried;  ///< room for motions along what touches
+  std::optional<Pose> held_b_from_a;  ///< see Hold
+  std::vector<std::uint8_t> beside;   ///< room for a mark of each contact
+  std::vector<Contact> found;         ///< room for the contacts where they are now
+  std::vector<std::uint8_t> met;      ///< room for another mark of each contact
+  std::vector<Vec3f> normals;         ///< room for those of the faces that touch
   Rebounding rebounding;
   TurningContacts turning;
   std::vector<Aside> asides;  ///< ascending by id
