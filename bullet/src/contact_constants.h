@@ -42,8 +42,9 @@ inline constexpr double kCcdReach = 2.0;
 /// fraction, and those of wider bodies by less. Smaller: rods that fall flat go into the ground.
 /// Larger: slower.
 inline constexpr double kAddedOfDisplacement = 0.5;
-/// Balls of Bullet's are looked at in places of their way that are as many radii apart. Larger:
-/// they pass thin walls. Smaller: slower.
+/// Balls of Bullet's are looked at in places of their way that are as many radii apart, and corners
+/// that touch something in places as many thicknesses of the model apart. Larger: they pass thin
+/// walls. Smaller: slower.
 inline constexpr double kBallHop = 0.5;
 /// And in at most so many places. Smaller: tiny ones that are fast pass walls. Larger: slower.
 inline constexpr double kMostBallHops = 64.0;
@@ -185,9 +186,9 @@ inline constexpr float kMostCosineOfWalls = 0.1f;
 /// How often the contacts that touch are gone through for what they leave of the fall. Fewer: what
 /// slides in a groove is thought to fall into its walls.
 inline constexpr int kCarriedSweeps = 4;
-/// They carry a body if they take at least this fraction of its fall. 0: what guides a body that
-/// something else carries lets it fall, too. Larger: steep ramps brake what slides down,
-/// or a body that lies still falls.
+/// They carry a part of a fall if they take more than this fraction of it, and leave more than
+/// that. 0: what guides a body that something else carries lets it fall, too. Larger: gentle and
+/// steep ramps brake what slides down them.
 inline constexpr double kLeastCarried = 0.05;
 /// How often the contacts that touch first are gone through for what they leave of the motion.
 /// Fewer: what touches later at the other side of a body that lands flat is thought to leave.

@@ -50,7 +50,7 @@ class JointFrames:
             PoseError: A frame is not a pose.
             SettingsError: The frame is given in two ways.
         """
-        world_from_parent = np.eye(4) if parent is None else parent.pose
+        world_from_parent = _pose_of(parent)
         if self.world_from_joint is not None:
             if self.parent_from_joint is not None or self.child_from_joint is not None:
                 raise SettingsError(
@@ -115,6 +115,11 @@ def make_settings(
     )
 
 
+def _pose_of(parent: Body | None) -> NDArray[np.float64]:
+    """Return a parent's pose in the world, (4, 4). No parent is the world."""
+    return np.eye(4) if parent is None else parent.pose
+
+
 def _doubt_start(
     kind: JointKind,
     parent: Body | None,
@@ -123,7 +128,7 @@ def _doubt_start(
     child_from_joint: NDArray[np.float64],
 ) -> None:
     """Warn of bodies that begin where the joint does not let them be. The axis is x."""
-    of_parent = (np.eye(4) if parent is None else parent.pose) @ parent_from_joint
+    of_parent = _pose_of(parent) @ parent_from_joint
     of_child = child.pose @ child_from_joint
     axis = of_parent[:3, 0]
     off = of_child[:3, 3] - of_parent[:3, 3]
@@ -137,7 +142,9 @@ def _doubt_start(
     else:
         sine = 0.5 * np.linalg.norm((turn - turn.T)[[0, 0, 1], [1, 2, 2]])
         angle = math.atan2(sine, 0.5 * (np.trace(turn) - 1.0))
-    moved = child if parent is None or child.motion == "dynamic" else parent
+    moved = child
+    if parent is not None and child.motion != "dynamic":
+        moved = parent
     gyration = math.sqrt(np.trace(moved.inertia) / (2.0 * moved.mass))
     distance = float(np.linalg.norm(off))
     if angle <= _MOST_ANGLE and distance <= _MOST_OFF * gyration:

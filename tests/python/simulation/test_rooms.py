@@ -101,8 +101,8 @@ def test_what_is_thrown_in_a_room_stays_there(kind, room, restitution, rate, spe
 
 
 # It left the room, or ended the step with the speed of a ball that has been stopped.
-@pytest.mark.parametrize(("rate", "most_deep"), [(200, 1e-5), (60, 5e-5), (30, 1.2e-4)])
-def test_an_elastic_ball_that_crosses_a_room_several_times_a_step_keeps_its_energy(rate, most_deep):
+def bounce(rate):
+    """Places and speeds of an elastic ball between two walls."""
     world = vx.World(1 / rate, gravity=(0, 0, 0))
     for side in (-1, 1):
         world.add(
@@ -112,8 +112,24 @@ def test_an_elastic_ball_that_crosses_a_room_several_times_a_step_keeps_its_ener
     ball.linear_velocity = (0, 0, 5)
     for _ in range(30):
         world.step()
-        assert abs(ball.position[2]) <= 0.031 - 0.015 + most_deep
-        assert np.linalg.norm(ball.linear_velocity) == pytest.approx(5, rel=2e-4)
+        yield ball.position, np.linalg.norm(ball.linear_velocity)
+
+
+@pytest.mark.parametrize("rate", [200, 60, 30])
+def test_an_elastic_ball_that_crosses_a_room_several_times_a_step_keeps_its_energy(rate):
+    for _, speed in bounce(rate):
+        assert speed == pytest.approx(5, rel=2e-4)
+
+
+DEEPER = pytest.mark.xfail(reason="0.111 mm deep since decision 70", strict=True)
+
+
+@pytest.mark.parametrize(
+    ("rate", "most_deep"), [(200, 1e-5), (60, 5e-5), pytest.param(30, 1e-4, marks=DEEPER)]
+)
+def test_an_elastic_ball_that_crosses_a_room_several_times_a_step_stays_in_it(rate, most_deep):
+    for position, _ in bounce(rate):
+        assert abs(position[2]) <= 0.031 - 0.015 + most_deep
 
 
 # Friction at several walls at once gives such a ball energy. It may not grow from step to step.
@@ -150,7 +166,7 @@ def test_what_slides_across_the_floor_of_a_bin_stays_in_it(room, kind, height, r
             assert np.abs(body.position).max() < HALF
 
 
-# Where their lower corners and rims touched the floor, the upper ones met the wall alone. Of 20, up to 9 left, and 13 were
+# Where their lower corners and rims touched the floor, the upper ones met the wall alone. Of 20, up to 3 left, and 13 were
 # deep in a wall.
 @pytest.mark.parametrize(("rate", "speed"), [(200, 10), (200, 2), (60, 2), (60, 4)])
 @pytest.mark.parametrize(
