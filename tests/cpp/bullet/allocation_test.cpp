@@ -49,10 +49,10 @@ class Allocation : public testing::TestWithParam<ContactMode> {
  protected:
   static void SetUpTestSuite() { btAlignedAllocSetCustom(&allocate_for_bullet, &std::free); }
 
-  /// In 200 steps of a world that has settled, and in which all lists have grown.
+  /// In 200 steps of a world that has settled.
   template <class World>
-  static long count_in(World& world) {
-    world.step(1000);
+  static long count_in(World& world, int settling = 600) {
+    world.step(settling);
     const long before = allocations;
     world.step(200);
     return allocations - before;
@@ -111,7 +111,8 @@ TEST_P(Allocation, IsNoneInASettledStepOfAMultiBody) {
   Tree bullet_cube(of_bullet, Tree::Base::kFree, {&box}, {{}, {0, 0, 0.11}});
   bullet_cube.body.setCanSleep(false);
   bullet_cube.enter_world();
-  EXPECT_EQ(count_in(world), count_in(of_bullet));
+  // It trembles by micrometers per second, and only then has searched in all ways.
+  EXPECT_EQ(count_in(world, 1000), count_in(of_bullet));
   EXPECT_GE(world.points().size(), 3u);
 }
 
