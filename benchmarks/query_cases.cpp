@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "cases.h"
-#include "mesh/closest_point.h"
 #include "pose_sets.h"
 #include "scene.h"
+#include "support/closest_point_tree.h"
 #include "voxshell/contacts_flat.h"
 #include "voxshell/plane_field.h"
 
@@ -51,7 +51,7 @@ class TrueDepth {
  private:
   const Field& field_;
   const PointShell& finest_;
-  ClosestPointTree closest_;
+  test_support::ClosestPointTree closest_;
   double doubt_;  ///< how far the field may be off, meters
 };
 

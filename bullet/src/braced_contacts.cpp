@@ -50,6 +50,13 @@ btScalar strength_of(const SolverPools& pools) {
   return sum;
 }
 
+/// Whether bodies are those of a contact.
+auto is_of(const btSolverConstraint& contact) {
+  return [&contact](const auto& bodies) {
+    return bodies.body_a == contact.m_solverBodyIdA && bodies.body_b == contact.m_solverBodyIdB;
+  };
+}
+
 }  // namespace
 
 void BracedContacts::find(const SolverPools& pools) {
@@ -81,22 +88,45 @@ double BracedContacts::sum_of_impulses(const SolverPools& pools) const {
   return sum;
 }
 
-void BracedContacts::soften(const SolverPools& pools, const btContactSolverInfo& info) const {
+void BracedContacts::soften(const SolverPools& pools, const btContactSolverInfo& info) {
   if (contacts_.empty()) return;
   const btScalar strength = strength_of(pools);
   if (!(strength > 0)) return;
+  count_pressed(pools);
   for (const int i : contacts_) {
     btSolverConstraint& contact = (*pools.contacts)[i];
     if (contact.m_cfm > 0) continue;  // it gives way already
     const btScalar depth =
         static_cast<btScalar>(kBracedDepth) * smaller_radius(contact, *pools.bodies);
+    // All contacts of two bodies together carry what presses them.
+    const btScalar of_one = strength / static_cast<btScalar>(pressed_with(contact));
     const btScalar softness =
-        contact.m_jacDiagABInv * info.m_erp2 * depth / (info.m_timeStep * strength);
+        contact.m_jacDiagABInv * info.m_erp2 * depth / (info.m_timeStep * of_one);
     const btScalar fraction = 1 / (1 + softness);
     contact.m_rhs *= fraction;
     contact.m_jacDiagABInv *= fraction;
     contact.m_cfm = softness * fraction;
   }
+}
+
+void BracedContacts::count_pressed(const SolverPools& pools) {
+  pressed_.clear();
+  for (const int i : contacts_) {
+    const btSolverConstraint& contact = (*pools.contacts)[i];
+    if (!(btScalar(contact.m_appliedImpulse) > 0)) continue;
+    const auto found = std::ranges::find_if(pressed_, is_of(contact));
+    if (found == pressed_.end()) {
+      pressed_.push_back({contact.m_solverBodyIdA, contact.m_solverBodyIdB, 1});
+    } else {
+      ++found->count;
+    }
+  }
+}
+
+/// Contacts of the same two bodies that are pressed; 1 at least.
+int BracedContacts::pressed_with(const btSolverConstraint& contact) const {
+  const auto found = std::ranges::find_if(pressed_, is_of(contact));
+  return found == pressed_.end() ? 1 : found->count;
 }
 
 std::size_t BracedContacts::first_of_group(int solver_body) {

@@ -10,6 +10,7 @@
 
 #include "contact_constants.h"
 #include "impact.h"
+#include "implied_contacts.h"
 #include "round_touch.h"
 #include "side_contacts.h"
 #include "sliding_touch.h"
@@ -257,6 +258,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 std::vector<Contact>& contacts, PairMemory& memory) {
   if (fraction > 0.0) carry_back(step, fraction, contacts);
   keep_touching(step, features, exact, hits, contacts, memory);
+  drop_implied(step, memory.turning, contacts, memory.found);
   StepContacts of_step;
   const FirstTouch first = find_first_touch(step, contacts);
   allow_rebound(step, first, features, memory.found, contacts);

@@ -94,6 +94,7 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   }
   step.rolls_at_rest = settings.rolling_at_rest;
   step.solver_turns_contacts = settings.solver_turns_contacts;
+  step.is_segmented = settings.mode == ContactMode::kSegmented;
 
   step.owed_energy = owed_energy;
   step.field_from_shell = pair.field_from_shell();

@@ -32,6 +32,7 @@ struct PairStep {
   bool is_still;        ///< the bodies hardly move, and come to rest on the points that they lie on
   bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
   bool solver_turns_contacts;  ///< ContactSettings::solver_turns_contacts
+  bool is_segmented;           ///< each segment's contact is wanted: ContactMode::kSegmented
   double restitution;          ///< of the two objects
   double owed_energy;          ///< of a rebound that the last step stopped at the surface, m2/s2
   Pose field_from_shell;

@@ -36,8 +36,8 @@ inline constexpr int kStickingRounds = 3;
 /// None of them if contacts of bodies that joints connect are then pressed by more than this many
 /// times what sweeps had pressed them by. Larger: doors stick.
 inline constexpr double kMostBracing = 1.5;
-/// Depth by which contacts of bodies that joints connect give way at the largest force, relative to
-/// half the diagonal of the smaller body's box. Smaller: doors stick to the ground that their
+/// Depth by which the contacts of two bodies that joints connect give way at the largest force,
+/// relative to half the diagonal of the smaller body's box. Smaller: doors stick to the ground that their
 /// hinges press them on by a micrometer, and to be pressed on it by more takes any force. Larger:
 /// motors press bodies into each other.
 inline constexpr double kBracedDepth = 1e-4;

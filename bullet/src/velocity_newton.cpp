@@ -149,11 +149,10 @@ bool VelocityNewton::solve(std::span<VelocityRow> rows, double stiffness, int mo
        ++step) {
     if (step == most_steps) return false;
     find_direction(rows);
-    const double fraction = search_line(rows);
+    const double fraction = search_line();
     if (!(fraction > 0.0)) return false;
     for (std::size_t i = 0; i < size_; ++i) velocities_[i] += fraction * direction_[i];
     for (std::size_t i = 0; i < rows.size(); ++i) along_[i] += fraction * along_step_[i];
-    project(along_);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].impulse = impulses_[i];
   return true;
@@ -181,9 +180,8 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
   matrix_.resize(entry_count_);
   velocities_.assign(size_, 0.0);
   direction_.resize(size_);
-  for (auto* of_rows : {&along_, &along_step_, &tried_, &unlimited_, &impulses_}) {
-    of_rows->resize(rows.size());
-  }
+  for (auto* of_rows : {&along_, &unlimited_, &impulses_}) of_rows->resize(rows.size());
+  along_step_.assign(rows.size(), 0.0);
   aims_.clear();
   groups_.clear();
   for (std::size_t i = 0; i < rows.size();) {
@@ -200,7 +198,7 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     along_[i] = velocity_along(rows[i], offset_, velocities_);
   }
-  project(along_);
+  project_all(0.0);
 }
 
 /// Sets `direction_` to minus the gradient.
@@ -209,7 +207,7 @@ void VelocityNewton::start(std::span<const VelocityRow> rows, double stiffness) 
 double VelocityNewton::find_gradient(std::span<const VelocityRow> rows) {
   for (std::size_t i = 0; i < size_; ++i) direction_[i] = -velocities_[i];
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    add_impulse(rows[i], offset_, impulses_[i], direction_);
+    if (impulses_[i] != 0.0) add_impulse(rows[i], offset_, impulses_[i], direction_);
   }
   return squared_length(direction_);
 }
@@ -321,31 +319,35 @@ void VelocityNewton::substitute() {
 // ---- line search
 // ---------------------------------------------------------------------------------
 
-/// The fraction of the step at which the function's slope, which rises along it, is near 0. Never
-/// beyond the least value by more than that: a step that goes farther may lead uphill.
-double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
+/// Finds the fraction of the step at which the function's slope, which rises along it, is near 0,
+/// and leaves the impulses of that place. Never beyond the least value by more than that: a step
+/// that goes farther may lead uphill.
+double VelocityNewton::search_line() {
   constexpr int kMostDoublings = 3;
   constexpr int kMostCuts = 40;
-  const double start = slope_at(0.0, rows);
+  const double start = slope_at(0.0);
   const auto is_flat = [&](double slope) {
     return std::abs(slope) <= kFlatSlope * std::abs(start);
   };
   double low = 0.0;
   double low_slope = start;
   double high = 1.0;
-  double high_slope = slope_at(high, rows);
+  project_all(high);
+  double high_slope = slope_at(high);
   for (int i = 0; i < kMostDoublings && high_slope < 0.0 && !is_flat(high_slope); ++i) {
     low = high;
     low_slope = high_slope;
     high *= 2.0;
-    high_slope = slope_at(high, rows);
+    project_all(high);
+    high_slope = slope_at(high);
   }
   if (high_slope <= 0.0 || is_flat(high_slope)) return high;
+  find_pressed();
   for (int i = 0; i < kMostCuts; ++i) {
     // Secants alone creep where the slope has kinks.
     const double fraction =
         i % 2 == 0 ? low + (high - low) * low_slope / (low_slope - high_slope) : 0.5 * (low + high);
-    const double slope = slope_at(fraction, rows);
+    const double slope = slope_of_pressed_at(fraction);
     if (is_flat(slope)) return fraction;
     if (slope < 0.0) {
       low = fraction;
@@ -355,38 +357,75 @@ double VelocityNewton::search_line(std::span<const VelocityRow> rows) {
       high_slope = slope;
     }
   }
+  slope_of_pressed_at(low);
   return low;
 }
 
-double VelocityNewton::slope_at(double fraction, std::span<const VelocityRow> rows) {
+/// Of what the impulses do not change.
+double VelocityNewton::slope_of_bodies_at(double fraction) const {
   double slope = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
     slope += (velocities_[i] + fraction * direction_[i]) * direction_[i];
   }
-  for (std::size_t i = 0; i < rows.size(); ++i) tried_[i] = along_[i] + fraction * along_step_[i];
-  project(tried_);
-  for (std::size_t i = 0; i < rows.size(); ++i) slope -= impulses_[i] * along_step_[i];
+  return slope;
+}
+
+/// Where all impulses are those of that place.
+double VelocityNewton::slope_at(double fraction) const {
+  double slope = slope_of_bodies_at(fraction);
+  for (std::size_t i = 0; i < impulses_.size(); ++i) slope -= impulses_[i] * along_step_[i];
+  return slope;
+}
+
+/// Leaves the impulses of that place.
+double VelocityNewton::slope_of_pressed_at(double fraction) {
+  double slope = slope_of_bodies_at(fraction);
+  for (const std::uint32_t i : pressed_) {
+    const Group& group = groups_[i];
+    project(group, fraction);
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      slope -= impulses_[k] * along_step_[k];
+    }
+  }
   return slope;
 }
 
 // ---- limits
 // --------------------------------------------------------------------------------------
 
-/// The impulses by which rows answer to velocities along them.
-void VelocityNewton::project(std::span<const double> velocities) {
-  for (const Group& group : groups_) {
-    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
-      const Aim& aim = aims_[k];
-      double impulse = aim.impulse - group.impulse * (velocities[k] - aim.target);
-      if (aim.divisor != 1.0) impulse /= aim.divisor;
-      unlimited_[k] = impulse;
-      impulses_[k] = impulse;
-    }
-    if (group.is_contact) {
-      project_contact(group);
-    } else {
-      impulses_[group.first] = std::clamp(unlimited_[group.first], group.lower, group.upper);
-    }
+/// The impulses by which all rows answer to the velocities at a fraction of the step. What they
+/// were before is kept for find_pressed().
+void VelocityNewton::project_all(double fraction) {
+  std::swap(impulses_, before_);
+  impulses_.resize(before_.size());
+  for (const Group& group : groups_) project(group, fraction);
+}
+
+/// Finds the groups that may have impulses between the last two places that all were projected at.
+/// A contact whose impulse is none at both ends has none between them: along the way, its normal
+/// velocity changes linearly, and by how much friction would exceed it is convex.
+void VelocityNewton::find_pressed() {
+  pressed_.clear();
+  for (std::uint32_t i = 0; i < groups_.size(); ++i) {
+    const std::size_t first = groups_[i].first;
+    const bool is_open = impulses_[first] == 0.0 && before_[first] == 0.0;
+    if (!groups_[i].is_contact || !is_open) pressed_.push_back(i);
+  }
+}
+
+void VelocityNewton::project(const Group& group, double fraction) {
+  for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+    const Aim& aim = aims_[k];
+    const double velocity = along_[k] + fraction * along_step_[k];
+    double impulse = aim.impulse - group.impulse * (velocity - aim.target);
+    if (aim.divisor != 1.0) impulse /= aim.divisor;
+    unlimited_[k] = impulse;
+    impulses_[k] = impulse;
+  }
+  if (group.is_contact) {
+    project_contact(group);
+  } else {
+    impulses_[group.first] = std::clamp(unlimited_[group.first], group.lower, group.upper);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -84,9 +85,13 @@ class VelocityNewton {
   void add_square(const VelocityRow& row, double factor);
   void factorize();
   void substitute();
-  double search_line(std::span<const VelocityRow> rows);
-  double slope_at(double fraction, std::span<const VelocityRow> rows);
-  void project(std::span<const double> velocities);
+  double search_line();
+  double slope_of_bodies_at(double fraction) const;
+  double slope_at(double fraction) const;
+  double slope_of_pressed_at(double fraction);
+  void project_all(double fraction);
+  void find_pressed();
+  void project(const Group& group, double fraction);
   void project_contact(const Group& contact);
   double friction_at(std::size_t normal, std::size_t count) const;
 
@@ -103,9 +108,10 @@ class VelocityNewton {
   std::vector<double> direction_;   ///< gradient, then step, of the velocities
   std::vector<double> along_;       ///< velocity along each row
   std::vector<double> along_step_;  ///< its change by the whole step
-  std::vector<double> tried_;       ///< velocity along each row during a line search
   std::vector<double> unlimited_;   ///< impulses before limits are applied
   std::vector<double> impulses_;    ///< and after
+  std::vector<double> before_;      ///< the same where all rows were projected before
+  std::vector<std::uint32_t> pressed_;  ///< groups that a line search looks at
 };
 
 }  // namespace voxshell::bullet

@@ -14,7 +14,7 @@
 namespace voxshell {
 
 class BoxFinder;
-class ClosestPointTree;
+class DistanceTree;
 
 /// The smooth surface that a mesh of small facets represents.
 ///
@@ -89,6 +89,7 @@ class SmoothSurface {
   Slide slide(const Place& start, const Vec3& direction, double least_curvature) const;
 
  private:
+  using Weights = std::array<double, 3>;  ///< of a triangle's corners, or a change of them
   struct Beside;
   struct Chart;
   struct Height;
@@ -100,12 +101,15 @@ class SmoothSurface {
   void sharpen_tips(std::span<const Vec3> face_normals);
   void measure_lifts(std::span<const Vec3> face_normals);
   void find_elements(const PointShell& shell);
+  void build_tree();
+  std::uint32_t nearest_triangle(const Vec3& place, std::uint32_t guess) const;
   Beside find_beside(const Vec3& place, double distance, const BoxFinder& finder) const;
   Chart chart_of(std::uint32_t triangle) const;
   std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
   Place across(const Place& place, std::size_t side) const;
   template <class F>
   std::optional<Place> project(const Vec3& point, Place place, const F& find) const;
+  double along_side(std::uint32_t triangle, const Weights& way, std::size_t side) const;
   template <class Objective>
   Slide climb(Place place, const Objective& objective, int most_triangles) const;
 
@@ -117,7 +121,9 @@ class SmoothSurface {
   std::vector<std::uint32_t> triangle_of_element_;
   std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
   float most_lift_ = 0.0f;
-  std::unique_ptr<const ClosestPointTree> tree_;
+  std::unique_ptr<const DistanceTree> tree_;
+  std::vector<std::int32_t> guesses_;  ///< for the tree, of places near each triangle
+  double unit_ = 1.0;                  ///< of the tree's lengths, meters
 };
 
 }  // namespace voxshell

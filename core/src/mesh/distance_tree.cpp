@@ -226,6 +226,14 @@ DistanceTree::Nearest DistanceTree::find_nearest(const Vec3& p, std::int32_t gue
   return {distance, order_[place], found / simd::kBlockTriangles};
 }
 
+std::vector<std::int32_t> DistanceTree::list_guesses() const {
+  std::vector<std::int32_t> guesses(order_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    guesses[order_[i]] = static_cast<std::int32_t>(i / kLanes);
+  }
+  return guesses;
+}
+
 bool DistanceTree::find_within(const Vec3& p, double radius, std::size_t most,
                                std::vector<std::uint32_t>& found) const {
   std::vector<std::int32_t> blocks(blocks_for(most));

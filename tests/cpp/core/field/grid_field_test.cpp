@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/closest_point.h"
 #include "simd/grid_sampling.h"
 #include "support/brute_force.h"
+#include "support/closest_point_tree.h"
 #include "support/grid_bricks.h"
 #include "support/grid_fields.h"
 #include "support/meshes.h"

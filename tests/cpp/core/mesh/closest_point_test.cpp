@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "support/brute_force.h"
+#include "support/closest_point_tree.h"
 #include "support/meshes.h"
 #include "support/random.h"
 

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/closest_point.h"
 #include "simd/isa.h"
 #include "support/brute_force.h"
+#include "support/closest_point_tree.h"
 #include "support/meshes.h"
 #include "support/random.h"
 
@@ -174,6 +174,19 @@ TEST(DistanceTree, IsTheSameBitsWithEveryInstructionSetAndNumberOfThreads) {
     ASSERT_EQ(std::memcmp(by_portable.data(), by_avx2.data(), sizeof by_avx2), 0);
   }
 #endif
+}
+
+TEST(DistanceTree, GuessesOfTrianglesAreBlocksThatHoldThem) {
+  const TriangleMesh mesh = make_torus(25.0, 6.0, 40, 20).mesh();
+  const DistanceTree tree(mesh, {}, 1.0, 1);
+  const std::vector<std::int32_t> guesses = tree.list_guesses();
+  ASSERT_EQ(guesses.size(), mesh.triangles().size());
+  for (std::uint32_t triangle = 0; triangle < guesses.size(); ++triangle) {
+    const auto [a, b, c] = mesh.corners(triangle);
+    const DistanceTree::Nearest found = tree.find_nearest((a + b + c) / 3.0, guesses[triangle]);
+    EXPECT_EQ(found.triangle, triangle);
+    EXPECT_EQ(found.guess, guesses[triangle]);
+  }
 }
 
 }  // namespace

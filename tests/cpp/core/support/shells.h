@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/closest_point.h"
 #include "support/brute_force.h"
+#include "support/closest_point_tree.h"
 #include "support/meshes.h"
 #include "support/random.h"
 #include "support/surface.h"
