@@ -1,6 +1,7 @@
 #include "braced_contacts.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -50,13 +51,6 @@ btScalar strength_of(const SolverPools& pools) {
   return sum;
 }
 
-/// Whether bodies are those of a contact.
-auto is_of(const btSolverConstraint& contact) {
-  return [&contact](const auto& bodies) {
-    return bodies.body_a == contact.m_solverBodyIdA && bodies.body_b == contact.m_solverBodyIdB;
-  };
-}
-
 }  // namespace
 
 void BracedContacts::find(const SolverPools& pools) {
@@ -88,45 +82,34 @@ double BracedContacts::sum_of_impulses(const SolverPools& pools) const {
   return sum;
 }
 
-void BracedContacts::soften(const SolverPools& pools, const btContactSolverInfo& info) {
+void BracedContacts::soften(const SolverPools& pools, const btContactSolverInfo& info) const {
   if (contacts_.empty()) return;
   const btScalar strength = strength_of(pools);
   if (!(strength > 0)) return;
-  count_pressed(pools);
-  for (const int i : contacts_) {
-    btSolverConstraint& contact = (*pools.contacts)[i];
-    if (contact.m_cfm > 0) continue;  // it gives way already
-    const btScalar depth =
-        static_cast<btScalar>(kBracedDepth) * smaller_radius(contact, *pools.bodies);
-    // All contacts of two bodies together carry what presses them.
-    const btScalar of_one = strength / static_cast<btScalar>(pressed_with(contact));
-    const btScalar softness =
-        contact.m_jacDiagABInv * info.m_erp2 * depth / (info.m_timeStep * of_one);
-    const btScalar fraction = 1 / (1 + softness);
-    contact.m_rhs *= fraction;
-    contact.m_jacDiagABInv *= fraction;
-    contact.m_cfm = softness * fraction;
-  }
-}
-
-void BracedContacts::count_pressed(const SolverPools& pools) {
-  pressed_.clear();
-  for (const int i : contacts_) {
-    const btSolverConstraint& contact = (*pools.contacts)[i];
-    if (!(btScalar(contact.m_appliedImpulse) > 0)) continue;
-    const auto found = std::ranges::find_if(pressed_, is_of(contact));
-    if (found == pressed_.end()) {
-      pressed_.push_back({contact.m_solverBodyIdA, contact.m_solverBodyIdB, 1});
-    } else {
-      ++found->count;
+  const auto contact_at = [&](int i) -> btSolverConstraint& { return (*pools.contacts)[i]; };
+  for (auto begin = contacts_.begin(); begin != contacts_.end();) {
+    const auto is_of_others = [&first = contact_at(*begin), &contact_at](int i) {
+      return contact_at(i).m_solverBodyIdA != first.m_solverBodyIdA ||
+             contact_at(i).m_solverBodyIdB != first.m_solverBodyIdB;
+    };
+    const auto end = std::find_if(begin, contacts_.end(), is_of_others);
+    const auto pressed = std::count_if(
+        begin, end, [&](int i) { return btScalar(contact_at(i).m_appliedImpulse) > 0; });
+    // Those of two bodies carry together what presses them.
+    const btScalar of_one = strength / static_cast<btScalar>(std::max(pressed, std::ptrdiff_t{1}));
+    for (; begin != end; ++begin) {
+      btSolverConstraint& contact = contact_at(*begin);
+      if (contact.m_cfm > 0) continue;  // it gives way already
+      const btScalar depth =
+          static_cast<btScalar>(kBracedDepth) * smaller_radius(contact, *pools.bodies);
+      const btScalar softness =
+          contact.m_jacDiagABInv * info.m_erp2 * depth / (info.m_timeStep * of_one);
+      const btScalar fraction = 1 / (1 + softness);
+      contact.m_rhs *= fraction;
+      contact.m_jacDiagABInv *= fraction;
+      contact.m_cfm = softness * fraction;
     }
   }
-}
-
-/// Contacts of the same two bodies that are pressed; 1 at least.
-int BracedContacts::pressed_with(const btSolverConstraint& contact) const {
-  const auto found = std::ranges::find_if(pressed_, is_of(contact));
-  return found == pressed_.end() ? 1 : found->count;
 }
 
 std::size_t BracedContacts::first_of_group(int solver_body) {

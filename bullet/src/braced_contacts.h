@@ -26,23 +26,13 @@ class BracedContacts {
 
   /// Lets them give way by a small depth, at what the forces and motors of the island can press two
   /// bodies by.
-  void soften(const SolverPools& pools, const btContactSolverInfo& info);
+  void soften(const SolverPools& pools, const btContactSolverInfo& info) const;
 
  private:
-  /// Contacts of two bodies that are pressed.
-  struct Pressed {
-    int body_a;
-    int body_b;
-    int count;
-  };
-
-  void count_pressed(const SolverPools& pools);
-  int pressed_with(const btSolverConstraint& contact) const;
   std::size_t first_of_group(int solver_body);
 
   std::vector<std::size_t> joined_to_;  ///< another body of its group, or itself, by solver body
   std::vector<int> contacts_;           ///< among the island's
-  std::vector<Pressed> pressed_;
 };
 
 }  // namespace voxshell::bullet

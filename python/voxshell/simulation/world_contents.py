@@ -123,8 +123,8 @@ class WorldContents:
             pose: **Place**: ``world_from_body`` in any form that :func:`pose` lists; the identity
                 by default.
             name: A name for people, which several bodies may have; "body" and its number by default.
-            mass: **Mass**: kilograms; 0 makes the body static. By default, the mass of ``inertia`` if
-                that is mass properties, and otherwise 1 kg.
+            mass: **Mass**: kilograms; 0 makes the body static. By default, 0 for planes, the mass of
+                ``inertia`` if that is mass properties, and otherwise 1 kg.
             inertia: "solid" for uniform density, "surface" for a thin skin on the surface, or mass
                 properties of your own. If ``mass`` is given, too, their inertia is scaled to it.
             material: **Material**: friction and restitution as one value, which bodies can share.
@@ -182,13 +182,16 @@ class WorldContents:
         """
         if isinstance(shape, Body):
             refuse_added(shape, self._simulation)
+        is_plane = isinstance(shape, Plane)
+        if is_plane and mass is None and motion is None:
+            motion = "static"
         kilograms, motion = as_mass_and_motion(
             _default_mass(inertia) if mass is None else mass, motion
         )
         label = "the body" if name is None else repr(as_text(name, "name"))
         check_mass(kilograms, label)
-        if isinstance(shape, Plane) and motion != "static":
-            raise SettingsError("a plane is unbounded and cannot move: pass mass=0")
+        if is_plane and motion != "static":
+            raise SettingsError("a plane is unbounded and cannot move: leave out mass and motion")
         properties = make_properties(
             as_material(
                 Material() if material is None else material,

@@ -128,7 +128,7 @@ TEST(BracedContacts, CountMotors) {
   EXPECT_NEAR(island.soften(0), softness_at(force), 1e-6 * softness_at(force));
 }
 
-/// Else a finger with 37 contacts at its tip stuck to the table, and one with 4 did not.
+/// When each gave way for itself, a finger with 37 contacts at its tip stuck to the table.
 TEST(BracedContacts, OfTwoBodiesGiveWayTogether) {
   Island island;
   const int floor = island.add_body(0.0);

@@ -134,12 +134,19 @@ def test_wrong_uses_of_bodies_are_refused(brick):
         (lambda: world.add(brick, motion="flying"), "'dynamic', 'static' or 'kinematic'"),
         (lambda: world.add(brick, mass=0, motion="dynamic"), "a dynamic body needs a mass above 0"),
         (lambda: world.add(vx.Plane(), motion="kinematic"), "a plane is unbounded"),
+        (lambda: world.add(vx.Plane(), motion="dynamic"), "a plane is unbounded"),
+        (lambda: world.add(vx.Plane(), mass=1), "leave out mass and motion"),
         (lambda: vx.World().remove(body), "another world"),
     ]:
         with pytest.raises(vx.SettingsError, match=part):
             act()
     with pytest.raises(vx.InputTypeError, match="must be a Body"):
         world.remove("body")
+
+
+def test_a_plane_is_static_without_being_told():
+    ground = vx.World().add(vx.Plane())
+    assert (ground.motion, ground.mass) == ("static", 0.0)
 
 
 @pytest.mark.parametrize(

@@ -354,8 +354,11 @@ def test_a_slider_moves_a_plate_that_lies_flush(plate, table, rate):
     assert joint.position == pytest.approx(0.1, rel=0.02)
 
 
-@pytest.mark.parametrize("rate", [1000.0, 200.0, 60.0])
-@pytest.mark.parametrize("table", ["plane", "box", "model"])
+@pytest.mark.parametrize(
+    ("table", "rate"),
+    [(table, rate) for table in ("plane", "box", "model") for rate in (1000.0, 200.0, 60.0)]
+    + [("model", 30.0)],
+)
 def test_fingers_that_touch_the_table_close(table, rate):
     """They stuck to the table that their tips were flush with."""
     world = vx.World(1.0 / rate)
