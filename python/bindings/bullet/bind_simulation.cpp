@@ -63,15 +63,15 @@ nb::ndarray<nb::numpy, double> timings(const Simulation& simulation) {
   return to_array(std::move(rows));
 }
 
-/// Rows: body a, body b, id, point on a, point on b, normal, depth, impulse.
+/// Rows: body a, body b, id, point on a, point on b, normal, depth, impulse, friction.
 nb::ndarray<nb::numpy, double> to_rows(const std::vector<SimulationContact>& contacts) {
-  std::vector<std::array<double, 14>> rows;
+  std::vector<std::array<double, 17>> rows;
   rows.reserve(contacts.size());
   for (const SimulationContact& c : contacts) {
     rows.push_back({static_cast<double>(c.body_a), static_cast<double>(c.body_b),
                     static_cast<double>(c.id), c.point_a.x, c.point_a.y, c.point_a.z, c.point_b.x,
                     c.point_b.y, c.point_b.z, c.normal.x, c.normal.y, c.normal.z, c.depth,
-                    c.impulse});
+                    c.impulse, c.friction.x, c.friction.y, c.friction.z});
   }
   return to_array(std::move(rows));
 }

@@ -98,6 +98,7 @@ struct SimulationContact {
   Vec3 normal;
   double depth;
   double impulse;  ///< normal impulse of the last step, N s; 0 in queries
+  Vec3 friction;   ///< impulse of friction on body a in the last step, N s; 0 in queries
 };
 
 /// First hit of a ray. Meters, world frame.

@@ -22,7 +22,7 @@ class ContactList : public btCollisionWorld::ContactResultCallback {
                         b->getCollisionObject()->getUserIndex(), point.m_index0,
                         from_bullet(point.getPositionWorldOnA()),
                         from_bullet(point.getPositionWorldOnB()),
-                        from_bullet(point.m_normalWorldOnB), -point.getDistance(), 0.0});
+                        from_bullet(point.m_normalWorldOnB), -point.getDistance(), 0.0, Vec3{}});
     return 0.0;
   }
 

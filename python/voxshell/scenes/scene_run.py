@@ -129,7 +129,7 @@ def tabulate_poses(run: SceneRun) -> dict[str, NDArray[np.generic]]:
 
 
 def tabulate_contacts(run: SceneRun) -> dict[str, NDArray[np.generic]]:
-    """Return a row for each frame and contact: time, bodies, points, normal, depth and impulse."""
+    """Return a row for each frame and contact: time, bodies, points, normal, depth and impulses."""
     rows = np.concatenate([np.empty(0, CONTACT_DTYPE), *run.contacts])
     names = np.array(run.names)
     columns: dict[str, NDArray[np.generic]] = {
@@ -140,4 +140,7 @@ def tabulate_contacts(run: SceneRun) -> dict[str, NDArray[np.generic]]:
     for name in ("point_a", "point_b", "normal"):
         for axis, letter in enumerate("xyz"):
             columns[f"{name}_{letter}"] = rows[name][:, axis]
-    return columns | {"depth": rows["depth"], "impulse": rows["impulse"]}
+    columns |= {"depth": rows["depth"], "impulse": rows["impulse"]}
+    for axis, letter in enumerate("xyz"):
+        columns[f"friction_{letter}"] = rows["friction"][:, axis]
+    return columns

@@ -21,6 +21,7 @@ CONTACT_DTYPE = np.dtype(
         ("normal", np.float64, 3),
         ("depth", np.float64),
         ("impulse", np.float64),
+        ("friction", np.float64, 3),
     ]
 )
 RAY_DTYPE = np.dtype(
@@ -35,23 +36,23 @@ TIMINGS_DTYPE = np.dtype(
     [(name, np.float64) for name in ("step", "narrow_phase", "query", "reduction", "manifold")]
 )
 
-_A_AND_B_EXCHANGED = np.array((1, 0, 2, 6, 7, 8, 3, 4, 5, 9, 10, 11, 12, 13))
+_A_AND_B_EXCHANGED = np.array((1, 0, 2, 6, 7, 8, 3, 4, 5, *range(9, 17)))
 """Columns of a contact's row with the bodies, and the points on them, exchanged."""
-_NORMAL = slice(9, 12)
+_NORMAL_AND_FRICTION = np.array((9, 10, 11, 14, 15, 16))
 
 
 def as_contacts(rows: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return (n,) of CONTACT_DTYPE from (n, 14)."""
+    """Return (n,) of CONTACT_DTYPE from (n, 17)."""
     return _as_table(rows, CONTACT_DTYPE)
 
 
 def take_contacts(
     rows: NDArray[np.float64], body: int, other: int | None = None
 ) -> NDArray[np.float64]:
-    """Return the rows, (n, 14), of one body's contacts, turned so that it is body a.
+    """Return the rows, (n, 17), of one body's contacts, turned so that it is body a.
 
     Args:
-        rows: (n, 14), as for :func:`as_contacts`.
+        rows: (n, 17), as for :func:`as_contacts`.
         body: Number of the body.
         other: Number of the other body; None for any.
     """
@@ -61,8 +62,10 @@ def take_contacts(
         is_b &= rows[:, 0] == other
     taken = rows[is_a | is_b]
     turned = taken[:, 0] != body
-    taken[turned] = taken[turned][:, _A_AND_B_EXCHANGED]
-    taken[turned, _NORMAL] = 0.0 - taken[turned, _NORMAL]  # without negative zeros
+    exchanged = taken[turned][:, _A_AND_B_EXCHANGED]
+    # Without negative zeros.
+    exchanged[:, _NORMAL_AND_FRICTION] = 0.0 - exchanged[:, _NORMAL_AND_FRICTION]
+    taken[turned] = exchanged
     return taken
 
 

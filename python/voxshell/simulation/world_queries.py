@@ -115,7 +115,7 @@ class WorldQueries(WorldContents):
         for other in others:
             _refuse_unanswered(a, other)
         rows = [self._simulation.find_contacts(a.number, it.number, reach) for it in others]
-        found = np.concatenate(rows) if rows else np.empty((0, 14))
+        found = np.concatenate(rows) if rows else np.empty((0, 17))
         return as_contacts(take_contacts(found, a.number))
 
     def overlaps(self, a: Body, b: Body) -> bool:
@@ -146,8 +146,10 @@ class WorldQueries(WorldContents):
             (n,) structured array: ``body_a``, ``body_b`` (numbers of bodies), ``id`` (of the
             shell's element), ``point_a``, ``point_b`` and ``normal`` ((3,), meters, world frame,
             the normal on body b and toward body a), ``depth`` (meters, positive where the bodies
-            overlap) and ``impulse`` (normal impulse of the last step, N s). The normal force on body
-            a is ``impulse / world.time_step * normal``, newtons, and on body b the opposite.
+            overlap), ``impulse`` (normal impulse of the last step, N s) and ``friction`` ((3,),
+            impulse of friction on body a in the last step, N s, world frame). The force on body a at
+            ``point_a`` is ``(impulse * normal + friction) / world.time_step``, newtons, and on body b
+            the opposite.
 
         Raises:
             InputTypeError: ``a`` or ``b`` is not a body.

@@ -312,3 +312,55 @@ def test_a_robot_is_no_body_and_the_error_says_where_its_bodies_are(tmp_path: Pa
     ):
         world.contacts(robot)  # pyright: ignore[reportArgumentType]
     assert len(world.contacts(robot.bodies[0])) == 0
+
+
+@pytest.mark.parametrize("solver", ["coulomb", "sequential_impulse"])
+@pytest.mark.parametrize("directions", [1, 2])
+def test_contacts_tell_the_whole_force_on_a_body_at_rest(solver, directions):
+    slope = np.radians(20.0)
+    world = vx.World(solver=solver, friction_directions=directions, sleeping=False)
+    world.add(vx.Plane(), pose=vx.pose((0, 0, 0), euler=(0, slope, 0)), friction=1.0)
+    box = world.add(
+        vx.Box((0.1, 0.1, 0.1)),
+        mass=2.0,
+        pose=vx.pose(0.1 * np.array((np.sin(slope), 0, np.cos(slope))), euler=(0, slope, 0)),
+    )
+    world.step(200)
+    contacts = world.contacts(box)
+    impulses = contacts["impulse"][:, None] * contacts["normal"] + contacts["friction"]
+    np.testing.assert_allclose(
+        impulses.sum(axis=0) / world.time_step, (0, 0, 2.0 * 9.81), atol=0.02 * 9.81
+    )
+    np.testing.assert_allclose(
+        np.einsum("ij,ij->i", contacts["friction"], contacts["normal"]), 0.0, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("rate", [1000.0, 200.0, 60.0])
+@pytest.mark.parametrize("restitution", [0.0, 0.8])
+def test_impulses_of_contacts_are_what_bodies_gain(rate, restitution):
+    """Of bodies that land, rebound, slide and turn, in every step."""
+    world = vx.World(1.0 / rate, sleeping=False)
+    world.add(vx.Plane(), friction=0.7, restitution=1.0)
+    ring = trimesh.creation.annulus(0.02, 0.04, 0.02)
+    shapes = (vx.Model.from_mesh(ring), vx.Sphere(0.03), vx.Box((0.03, 0.02, 0.02)), ring)
+    bodies = [
+        world.add(
+            shape,
+            mass=0.3,
+            pose=vx.pose((0.05 * i - 0.1, 0.01 * i, 0.06 + 0.05 * i), euler=(0.4 * i, 0.3, 0)),
+            friction=0.7,
+            restitution=restitution,
+        )
+        for i, shape in enumerate(shapes)
+    ]
+    for body in bodies:
+        body.linear_velocity = (0.5, 0.2, -1.0)
+    for _ in range(round(0.5 * rate)):
+        before = [body.linear_velocity for body in bodies]
+        world.step()
+        for body, velocity in zip(bodies, before, strict=True):
+            contacts = world.contacts(body)
+            impulses = contacts["impulse"][:, None] * contacts["normal"] + contacts["friction"]
+            gained = body.mass * (body.linear_velocity - velocity - world.gravity / rate)
+            np.testing.assert_allclose(impulses.sum(axis=0), gained, atol=2e-3 * body.mass)
