@@ -13,8 +13,11 @@ ABSENT = {
     "Body": {
         "color": _COLORS,
         "orientation": "did you mean orientation_xyzw?",
+        "quat": "did you mean orientation_xyzw?",
         "quaternion": "did you mean orientation_xyzw?",
         "rotation": "did you mean orientation_xyzw, or pose[:3, :3]?",
+        "set_pose": "call place(pose), or set pose",
+        "set_velocity": "set linear_velocity and angular_velocity",
         "velocity": "did you mean linear_velocity?",
     },
     "Contacts": {
@@ -24,6 +27,8 @@ ABSENT = {
     },
     "Joint": {
         "limits": "its kind has them: joint.kind.limits",
+        "set_target": "call set_target_position() or set_target_velocity()",
+        "torque": "did you mean reaction?",
     },
     "Model": {
         "mass": "a model has none; pass mass=... to World.add() or Model.mass_properties()",
@@ -37,26 +42,32 @@ ABSENT = {
         "loadMJCF": "call voxshell.load_mjcf(world, path)",
         "loadURDF": "call voxshell.load_urdf(world, path)",
         "add_body": "did you mean add?",
-        "add_plane": "call add(voxshell.Plane(), mass=0)",
+        "add_plane": "call add(voxshell.Plane())",
+        "body": "keep what add() returns, or look in bodies, a tuple",
         "dt": "did you mean time_step?",
         "load_mjcf": "call voxshell.load_mjcf(world, path)",
         "load_urdf": "call voxshell.load_urdf(world, path)",
+        "raycast": "did you mean ray_cast?",
         "render": "did you mean view?",
         "run": "did you mean step?",
         "save_html": "record first: recorder = world.record(), and after the steps recorder.save_html(path)",
         "save_video": (
             "record first: recorder = world.record(), and after the steps recorder.recording().save_video(path)"
         ),
+        "set_gravity": "pass gravity=... to voxshell.World()",
         "show": "did you mean view?",
         "simulate": "did you mean step?",
+        "timestep": "did you mean time_step?",
     },
 }
 """Names that a class does not have, and what to do instead."""
 
 OF_PACKAGE = PYBULLET | {
+    "closest_points": "call voxshell.distance(a, b), or World.query_contacts(a, b, margin=distance)",
     "load": "call voxshell.Model.load(path) or voxshell.Recording.load(path)",
     "load_mesh": "call voxshell.Model.from_mesh(path)",
     "load_model": "call voxshell.Model.load(path)",
+    "raycast": "call World.ray_cast(starts, ends)",
 }
 """Names that the package does not have, and what to do instead."""
 

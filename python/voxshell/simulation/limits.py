@@ -13,7 +13,7 @@ from voxshell.errors import SettingsError, SimulationError
 from voxshell.model.accuracy import AccuracyWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -106,7 +106,7 @@ def check_time_step(time_step: float, gravity: ArrayLike) -> None:
 
 
 def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice: str) -> None:
-    """Warn, once per body, about bodies that moved or turned too far in a step.
+    """Warn, once per body, about bodies that moved or turned too far in a step, in one warning of each.
 
     Args:
         simulation: The simulation that made the step.
@@ -126,16 +126,25 @@ def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice
             f"the simulation has diverged: the pose or velocity of {show_value(names[lost])} is no longer finite; "
             f"reduce forces and velocities, or use a shorter time_step{advice}"
         )
-    for number, turn in spins:
+    if spins:
         warn_user(
-            f"{show_value(names[number])} turns by {turn:.3g} rad a step; the search for contacts assumes at most "
+            f"{_show_farthest(spins, names, 'turn')} rad a step; the search for contacts assumes at most "
             f"an eighth of a turn, {_bullet.most_turn:.3f} rad, so contacts may be missed: use a shorter "
             "time_step",
             AccuracyWarning,
         )
-    for number, way in ways:
+    if ways:
         warn_user(
-            f"{show_value(names[number])} moves by {way:.3g} m a step, more than {_bullet.most_way:g} m; Bullet "
+            f"{_show_farthest(ways, names, 'move')} m a step, more than {_bullet.most_way:g} m; Bullet "
             "does not move bodies by 1e+06 m or more: use a shorter time_step, or lower velocities",
             AccuracyWarning,
         )
+
+
+def _show_farthest(found: Sequence[tuple[int, float]], names: Mapping[int, str], does: str) -> str:
+    """Return "'wheel' turns by 1.2", or "'wheel' and 3 others turn by up to 1.2"."""
+    number, most = max(found, key=lambda each: each[1])
+    name, others = show_value(names[number]), len(found) - 1
+    if others == 0:
+        return f"{name} {does}s by {most:.3g}"
+    return f"{name} and {others} other{'s' if others > 1 else ''} {does} by up to {most:.3g}"

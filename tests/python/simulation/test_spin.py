@@ -90,3 +90,15 @@ def test_a_body_that_turns_by_more_than_an_eighth_of_a_turn_a_step_is_named_once
         warnings.simplefilter("error")
         world.step(5)
     assert body.angular_velocity[2] == pytest.approx(100.0)
+
+
+def test_bodies_that_turn_fast_from_one_step_on_share_a_warning(plate):
+    world = vx.World(gravity=(0, 0, 0), time_step=0.01)
+    for i in range(5):
+        body = world.add(plate, name=f"rotor {i}", pose=(30.0 * i, 0, 0))
+        body.angular_velocity = (0.0, 0.0, 100.0 + 10.0 * i)
+    with pytest.warns(
+        vx.AccuracyWarning, match=r"'rotor 4' and 4 others turn by up to 1\.4 rad"
+    ) as all_of:
+        world.step(5)
+    assert sum("rad a step" in str(each.message) for each in all_of) == 1
