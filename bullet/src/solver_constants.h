@@ -37,9 +37,9 @@ inline constexpr int kStickingRounds = 3;
 /// times what sweeps had pressed them by. Larger: doors stick.
 inline constexpr double kMostBracing = 1.5;
 /// Depth by which the contacts of two bodies that joints connect give way at the largest force,
-/// relative to half the diagonal of the smaller body's box. Smaller: doors stick to the ground that their
-/// hinges press them on by a micrometer, and to be pressed on it by more takes any force. Larger:
-/// motors press bodies into each other.
+/// relative to half the diagonal of the smaller body's box. Smaller: doors stick to the ground that
+/// their hinges press them on by a micrometer, and to be pressed on it by more takes any force.
+/// Larger: motors press bodies into each other.
 inline constexpr double kBracedDepth = 1e-4;
 /// Sweeps after each round. They leave friction that is exactly Coulomb's.
 inline constexpr int kSweepsAfterRound = 3;

@@ -366,11 +366,11 @@ std::vector<SimulationContact> Simulation::compute_contacts() const {
       const btManifoldPoint& point = manifold.getContactPoint(i);
       const btVector3 friction = point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
                                  point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
-      contacts.push_back(
-          {manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex(), point.m_index0,
-           from_bullet(point.getPositionWorldOnA()), from_bullet(point.getPositionWorldOnB()),
-           from_bullet(point.m_normalWorldOnB), -point.getDistance(), point.getAppliedImpulse(),
-           from_bullet(friction)});
+      contacts.push_back({manifold.getBody0()->getUserIndex(), manifold.getBody1()->getUserIndex(),
+                          point.m_index0, from_bullet(point.getPositionWorldOnA()),
+                          from_bullet(point.getPositionWorldOnB()),
+                          from_bullet(point.m_normalWorldOnB), -point.getDistance(),
+                          point.getAppliedImpulse(), from_bullet(friction)});
     }
   }
   return contacts;

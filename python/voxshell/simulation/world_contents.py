@@ -182,16 +182,9 @@ class WorldContents:
         """
         if isinstance(shape, Body):
             refuse_added(shape, self._simulation)
-        is_plane = isinstance(shape, Plane)
-        if is_plane and mass is None and motion is None:
-            motion = "static"
-        kilograms, motion = as_mass_and_motion(
-            _default_mass(inertia) if mass is None else mass, motion
-        )
+        kilograms, motion = _as_mass_and_motion(shape, mass, inertia, motion)
         label = "the body" if name is None else repr(as_text(name, "name"))
         check_mass(kilograms, label)
-        if is_plane and motion != "static":
-            raise SettingsError("a plane is unbounded and cannot move: leave out mass and motion")
         properties = make_properties(
             as_material(
                 Material() if material is None else material,
@@ -410,6 +403,22 @@ class WorldContents:
         check_own(body, self._simulation)
 
 
-def _default_mass(inertia: Inertia) -> float:
-    own = isinstance(inertia, MassProperties)
-    return as_positive(inertia.mass, "inertia.mass") if own else 1.0
+def _as_mass_and_motion(
+    shape: Shape | MeshLike, mass: float | None, inertia: Inertia, motion: Motion | None
+) -> tuple[float, Motion]:
+    """Return kilograms and the motion, with the defaults of the shape.
+
+    Raises:
+        SettingsError: They do not fit each other, or a plane is not static.
+    """
+    if mass is not None:
+        kilograms, motion = as_mass_and_motion(mass, motion)
+    elif isinstance(shape, Plane) and motion is None:
+        return 0.0, "static"
+    else:
+        own = isinstance(inertia, MassProperties)
+        default = as_positive(inertia.mass, "inertia.mass") if own else 1.0
+        kilograms, motion = as_mass_and_motion(default, motion)
+    if isinstance(shape, Plane) and motion != "static":
+        raise SettingsError("a plane is unbounded and cannot move: leave out mass and motion")
+    return kilograms, motion
