@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import as_flag, as_positive, as_text
+from voxshell.base.arguments import as_flag, as_text
 from voxshell.base.pose_forms import as_rigid_pose
 from voxshell.errors import InputTypeError, SettingsError
-from voxshell.model.mass_properties import MassProperties
-from voxshell.model.shapes import Plane
 from voxshell.simulation.body import Body
 from voxshell.simulation.body_properties import make_properties
 from voxshell.simulation.body_shapes import as_shape, compute_mass_properties, make_geometry
@@ -20,7 +18,7 @@ from voxshell.simulation.joint_frames import JointFrames, make_settings
 from voxshell.simulation.joints import Joint
 from voxshell.simulation.limits import check_extent, check_mass
 from voxshell.simulation.material import Material, as_material
-from voxshell.simulation.motion import MOTIONS, as_mass_and_motion, check_surface
+from voxshell.simulation.motion import MOTIONS, check_surface, decide_mass_and_motion
 from voxshell.simulation.pair_watch import PairWatch
 from voxshell.simulation.world_part import check_own, refuse_added
 
@@ -182,7 +180,7 @@ class WorldContents:
         """
         if isinstance(shape, Body):
             refuse_added(shape, self._simulation)
-        kilograms, motion = _as_mass_and_motion(shape, mass, inertia, motion)
+        kilograms, motion = decide_mass_and_motion(shape, mass, inertia, motion)
         label = "the body" if name is None else repr(as_text(name, "name"))
         check_mass(kilograms, label)
         properties = make_properties(
@@ -401,24 +399,3 @@ class WorldContents:
             hint = "; pass one of its bodies, which robot.bodies lists" if kind == "Robot" else ""
             raise InputTypeError(f"{name} must be a Body, not {kind}{hint}")
         check_own(body, self._simulation)
-
-
-def _as_mass_and_motion(
-    shape: Shape | MeshLike, mass: float | None, inertia: Inertia, motion: Motion | None
-) -> tuple[float, Motion]:
-    """Return kilograms and the motion, with the defaults of the shape.
-
-    Raises:
-        SettingsError: They do not fit each other, or a plane is not static.
-    """
-    if mass is not None:
-        kilograms, motion = as_mass_and_motion(mass, motion)
-    elif isinstance(shape, Plane) and motion is None:
-        return 0.0, "static"
-    else:
-        own = isinstance(inertia, MassProperties)
-        default = as_positive(inertia.mass, "inertia.mass") if own else 1.0
-        kilograms, motion = as_mass_and_motion(default, motion)
-    if isinstance(shape, Plane) and motion != "static":
-        raise SettingsError("a plane is unbounded and cannot move: leave out mass and motion")
-    return kilograms, motion
