@@ -82,6 +82,10 @@ inline constexpr double kSmallOfForces = 0.1;
 /// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
 /// sooner. Smaller: heaps sag.
 inline constexpr int kMostSweeps = 50;
+/// Bodies that joints pull on follow a swing if their inertia is at least this fraction of the
+/// geometric stiffness times the squared time step. Smaller: hanging chains fly apart, from a
+/// quarter on under large loads. Larger: light links swing slower than they should.
+inline constexpr double kFollowedStiffness = 0.5;
 /// Bodies are squeezed if the split impulses that join them do less than this fraction of the work
 /// that they ask for: all of it where bodies can leave what they are in, and the impulses are
 /// solved; nothing between two fingers. Larger: what lies in a narrow groove is squeezed.

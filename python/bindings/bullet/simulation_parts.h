@@ -10,6 +10,7 @@
 #include "voxshell/bullet/parallel_dispatcher.h"
 #include "voxshell/bullet/seamless_world.h"
 #include "voxshell/bullet/sleepy_world.h"
+#include "voxshell/bullet/taut_joints.h"
 
 namespace voxshell::python {
 
@@ -28,9 +29,9 @@ struct Simulation::Body {
 
 /// A world of all that voxshell adds to Bullet's.
 class Simulation::World
-    : public bullet::SleepyWorld<bullet::CheckedMotionWorld<
+    : public bullet::SleepyWorld<bullet::TautJointsWorld<bullet::CheckedMotionWorld<
           bullet::MomentumWorld<bullet::ForceAwareWorld<bullet::SeamlessWorld<
-              bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>>> {
+              bullet::CarriedContactsWorld<bullet::KinematicMotionWorld<>>>>>>>> {
  public:
   using SleepyWorld::SleepyWorld;
 };

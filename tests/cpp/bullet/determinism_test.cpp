@@ -25,6 +25,7 @@
 #include "voxshell/bullet/momentum_world.h"
 #include "voxshell/bullet/seamless_world.h"
 #include "voxshell/bullet/sleepy_world.h"
+#include "voxshell/bullet/taut_joints.h"
 
 namespace voxshell::bullet::determinism_test {
 namespace {
@@ -109,8 +110,8 @@ std::uint64_t hash_of(Scene scene, double nudge, int steps) {
 
 /// In a world and with a solver like those of Python's World.
 std::uint64_t hash_of_python(int steps) {
-  using World = SleepyWorld<CheckedMotionWorld<
-      MomentumWorld<ForceAwareWorld<SeamlessWorld<CarriedContactsWorld<KinematicMotionWorld<>>>>>>>;
+  using World = SleepyWorld<TautJointsWorld<CheckedMotionWorld<MomentumWorld<
+      ForceAwareWorld<SeamlessWorld<CarriedContactsWorld<KinematicMotionWorld<>>>>>>>>;
   WorldOf<World, CoulombSolver> world;
   btContactSolverInfo& info = world.world.getSolverInfo();
   info.m_minimumSolverBatchSize = 1;
