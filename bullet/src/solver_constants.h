@@ -83,8 +83,8 @@ inline constexpr double kSmallOfForces = 0.1;
 /// sooner. Smaller: heaps sag.
 inline constexpr int kMostSweeps = 50;
 /// Bodies that joints pull on follow a swing if their inertia is at least this fraction of the
-/// geometric stiffness times the squared time step. Smaller: hanging chains fly apart, from a
-/// quarter on under large loads. Larger: light links swing slower than they should.
+/// geometric stiffness times the squared time step. Smaller: hanging chains fly apart, those with
+/// 50 kg at a quarter. Larger: light links swing slower than they should.
 inline constexpr double kFollowedStiffness = 0.5;
 /// Bodies are squeezed if the split impulses that join them do less than this fraction of the work
 /// that they ask for: all of it where bodies can leave what they are in, and the impulses are

@@ -1,7 +1,6 @@
 #include "voxshell/bullet/taut_joints.h"
 
-#include <algorithm>
-#include <iterator>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -61,7 +60,8 @@ void TautJoints::begin(const btAlignedObjectArray<btTypedConstraint*>& joints, b
     pull(joint.getRigidBodyB(), places->second, last->m_appliedForceBodyB);
   }
   const btScalar of_stiffness = static_cast<btScalar>(kFollowedStiffness) * time_step * time_step;
-  std::erase_if(pulled_, [&](Pulled& pulled) {
+  std::erase_if(pulled_, [&](const Pulled& pulled) {
+    if (pulled.body == nullptr) return true;
     btVector3 inverse = pulled.inverse_inertia;
     for (int axis = 0; axis < 3; ++axis) {
       const btScalar least = of_stiffness * pulled.stiffness[axis];
@@ -83,16 +83,17 @@ void TautJoints::end() {
 
 /// By a force, world frame, at a place of the body.
 void TautJoints::pull(btRigidBody& body, const btVector3& place, const btVector3& force) {
-  if (!(body.getInvMass() > 0)) return;
-  const btVector3 of_body = force * body.getWorldTransform().getBasis();
-  auto found =
-      std::ranges::find_if(pulled_, [&](const Pulled& each) { return each.body == &body; });
-  if (found == pulled_.end()) {
-    pulled_.push_back({&body, btVector3(0, 0, 0), body.getInvInertiaDiagLocal()});
-    found = std::prev(pulled_.end());
+  if (!(body.getInvMass() > 0) || body.getWorldArrayIndex() < 0) return;
+  const auto index = static_cast<std::size_t>(body.getWorldArrayIndex());
+  if (index >= pulled_.size()) pulled_.resize(index + 1);
+  Pulled& pulled = pulled_[index];
+  if (pulled.body == nullptr) {
+    pulled.body = &body;
+    pulled.inverse_inertia = body.getInvInertiaDiagLocal();
   }
+  const btVector3 of_body = force * body.getWorldTransform().getBasis();
   const btScalar outward = place.dot(of_body);
-  found->stiffness += btVector3(outward, outward, outward) - place * of_body;
+  pulled.stiffness += btVector3(outward, outward, outward) - place * of_body;
 }
 
 }  // namespace voxshell::bullet

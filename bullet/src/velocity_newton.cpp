@@ -402,8 +402,8 @@ void VelocityNewton::project_all(double fraction) {
 }
 
 /// Finds the groups that may have impulses between the last two places that all were projected at.
-/// A contact whose impulse is none at both ends has none between them: along the way, its normal
-/// velocity changes linearly, and by how much friction would exceed it is convex.
+/// A contact without an impulse at either end has none between them: its normal velocity changes
+/// linearly along the way, and how much friction exceeds it by is convex.
 void VelocityNewton::find_pressed() {
   pressed_.clear();
   for (std::uint32_t i = 0; i < groups_.size(); ++i) {

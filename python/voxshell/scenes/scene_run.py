@@ -137,10 +137,7 @@ def tabulate_contacts(run: SceneRun) -> dict[str, NDArray[np.generic]]:
         "body_a": names[rows["body_a"]],
         "body_b": names[rows["body_b"]],
     }
-    for name in ("point_a", "point_b", "normal"):
+    for name in ("point_a", "point_b", "normal", "friction"):
         for axis, letter in enumerate("xyz"):
             columns[f"{name}_{letter}"] = rows[name][:, axis]
-    columns |= {"depth": rows["depth"], "impulse": rows["impulse"]}
-    for axis, letter in enumerate("xyz"):
-        columns[f"friction_{letter}"] = rows["friction"][:, axis]
-    return columns
+    return columns | {"depth": rows["depth"], "impulse": rows["impulse"]}

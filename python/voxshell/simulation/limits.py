@@ -106,7 +106,7 @@ def check_time_step(time_step: float, gravity: ArrayLike) -> None:
 
 
 def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice: str) -> None:
-    """Warn, once per body, about bodies that moved or turned too far in a step, in one warning of each.
+    """Warn of bodies that moved or turned too far in a step, once of each; those of a step share a warning.
 
     Args:
         simulation: The simulation that made the step.

@@ -12,10 +12,10 @@ namespace voxshell::bullet {
 ///
 /// A link under tension swings like a string: a joint that pulls outward at a lever resists each
 /// turn by the force times the lever, the geometric stiffness. Solvers of velocities take forces to
-/// act along their present lines for the whole step, so a swing of more than about a radian a step
-/// grows until the joints come apart. Where that would be, bodies turn in the solver as if they had
-/// the inertia with which they follow (Andrews, Teichmann and Kövecses 2017, Geometric stiffness
-/// for real-time constrained multibody dynamics). Decision 72.
+/// act along their present lines for the whole step, so a swing of more than about two radians a
+/// step grows until the joints come apart. Where that would be, bodies turn in the solver as if
+/// they had the inertia with which they follow (Andrews, Teichmann and Kövecses 2017, Geometric
+/// stiffness for real-time constrained multibody dynamics). Decision 72.
 ///
 /// The tension is that of the last step, which a joint's feedback has: joints without one are left
 /// out.
@@ -28,14 +28,14 @@ class TautJoints {
 
  private:
   struct Pulled {
-    btRigidBody* body;
-    btVector3 stiffness;        ///< about its principal axes, N m
-    btVector3 inverse_inertia;  ///< its own
+    btRigidBody* body = nullptr;
+    btVector3 stiffness{0, 0, 0};  ///< about its principal axes, N m
+    btVector3 inverse_inertia;     ///< its own
   };
 
   void pull(btRigidBody& body, const btVector3& place, const btVector3& force);
 
-  std::vector<Pulled> pulled_;
+  std::vector<Pulled> pulled_;  ///< by their index in the world, then those that are changed
 };
 
 /// A Bullet dynamics world with that.
