@@ -475,6 +475,9 @@ inline constexpr double kWayOutPrecision = 0.125;
 inline constexpr double kWayOutGrowth = 1.25;
 /// Directions with a larger cosine are one: within three degrees.
 inline constexpr double kSameWayOut = 0.9986;
+/// The deepest place of a shape's core segment is found to this fraction of it. Larger: sheets that
+/// are thinner than that, pierced at a slant, are missed.
+inline constexpr double kCorePrecision = 1e-4;
 
 // ---- both shells --------------------------------------------------------------------------------
 

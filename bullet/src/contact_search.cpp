@@ -14,6 +14,7 @@
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
+#include "core_segment.h"
 #include "edge_crossings.h"
 #include "facing_normals.h"
 #include "foremost.h"
@@ -27,7 +28,7 @@ namespace voxshell::bullet {
 namespace {
 
 /// The contact of models of which one lies wholly inside the other, or in its very place.
-std::optional<Contact> find_inner(const PosedPair& pair) {
+std::optional<Contact> find_enclosed(const PosedPair& pair) {
   const Pose field_from_shell = pair.field_from_shell();
   auto found =
       find_inner_contact(pair.shell_side().participant(), pair.field(), field_from_shell, 0.0f);
@@ -37,11 +38,18 @@ std::optional<Contact> find_inner(const PosedPair& pair) {
                                shell_from_field, 0.0f);
     if (found) found = turn_over(*found, shell_from_field);
   }
-  if (!found) return std::nullopt;
-  found->id = kInnerContact;
-  // Where no direction is better than another, one that is the same in every step.
-  if (found->normal == Vec3f{}) found->normal = {0, 0, 1};
   return found;
+}
+
+/// Of the two bodies, world frame. What is pushed there is displaced and does not turn; of two that
+/// are as heavy, the smaller one.
+Vec3 middle_of_lighter(const PairStep& step) {
+  const double of_a = step.motion_a.inverse_mass;
+  const double of_b = step.motion_b.inverse_mass;
+  if (of_a != of_b) return of_a > of_b ? step.motion_a.center : step.motion_b.center;
+  const PosedPair& pair = *step.pair;
+  const Side& smaller = step.larger == &pair.shell_side() ? pair.field_side() : pair.shell_side();
+  return smaller.bounding_ball().center;
 }
 
 /// The lists that no thread uses now. They outlast threads, which come and go with each step.
@@ -390,8 +398,14 @@ void ContactSearch::append_inner(const PosedPair& pair, const PairStep* step,
     append_way_out(*step, opposition);
     return;
   }
-  const auto inner = contacts_.empty() ? find_inner(pair) : std::nullopt;
-  if (inner) contacts_.push_back(*inner);
+  if (!contacts_.empty()) return;
+  auto inner = find_enclosed(pair);
+  if (!inner) inner = find_piercing(pair, pair.field_from_shell(), 0.0);
+  if (!inner) return;
+  inner->id = kInnerContact;
+  // Where no direction is better than another, one that is the same in every step.
+  if (inner->normal == Vec3f{}) inner->normal = {0, 0, 1};
+  contacts_.push_back(*inner);
 }
 
 /// Of bodies deep in each other whose contacts tell no way out.
@@ -401,13 +415,14 @@ void ContactSearch::append_way_out(const PairStep& step, const Opposition& oppos
     return static_cast<double>(contact.depth) + step.thickness > step.deep_overlap;
   };
   if (std::ranges::any_of(contacts_, is_deep)) return;
-  const bool is_buried = static_cast<double>(opposition.buried) > step.deep_overlap;
-  if (!is_buried && (opposition.is_opposed || !find_inner(pair))) return;
+  const bool is_deep_inside = static_cast<double>(opposition.buried) > step.deep_overlap ||
+                              find_piercing(pair, pair.field_from_shell(), step.deep_overlap) ||
+                              (!opposition.is_opposed && find_enclosed(pair));
+  if (!is_deep_inside) return;
   const auto way = find_way_out(pair, kWayOutPrecision * step.deep_overlap);
   if (!way) return;
-  const Side& smaller = step.larger == &pair.shell_side() ? pair.field_side() : pair.shell_side();
-  const Vec3 place = pair.shell_side().world_from_geometry().inverse().transform_point(
-      smaller.bounding_ball().center);
+  const Vec3 place =
+      pair.shell_side().world_from_geometry().inverse().transform_point(middle_of_lighter(step));
   // Others are of rims, and push to all sides.
   contacts_.assign(1, {kInnerContact, static_cast<float>(way->distance), static_cast<Vec3f>(place),
                        static_cast<Vec3f>(way->direction)});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact_constants.h"
+#include "core_segment.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/contacts.h"
 
@@ -33,10 +34,12 @@ class Overlap {
   bool is_there_after(const Vec3& displacement) const {
     Pose moved = field_from_shell_;
     moved.translation += field_from_shell_.rotate(displacement);
-    return look(moved, [&](const Participant& body, const Field& field, const Pose& pose) {
+    const auto overlaps = [&](const Participant& body, const Field& field, const Pose& pose) {
       return collides(field, *body.shell, pose, -tolerance_) ||
              find_inner_contact(body, field, pose, -tolerance_).has_value();
-    });
+    };
+    return look(moved, overlaps) ||
+           find_piercing(pair_, moved, static_cast<double>(tolerance_)).has_value();
   }
 
  private:

@@ -364,3 +364,29 @@ def test_impulses_of_contacts_are_what_bodies_gain(rate, restitution):
             impulses = contacts["impulse"][:, None] * contacts["normal"] + contacts["friction"]
             gained = body.mass * (body.linear_velocity - velocity - world.gravity / rate)
             np.testing.assert_allclose(impulses.sum(axis=0), gained, atol=2e-3 * body.mass)
+
+
+THIN = 0.001  # m, the radius of rods, or half of their sides
+RODS = {
+    "capsule": vx.Capsule(THIN, 0.4),
+    "cylinder": vx.Cylinder(THIN, 0.4),
+    "cone": vx.Cone(2 * THIN, 0.4),
+    "bar": vx.Box((2 * THIN, 2 * THIN, 0.4)),
+    "hull": vx.ConvexHull(trimesh.creation.cylinder(THIN, 0.4, sections=6).vertices),
+}
+
+
+@pytest.mark.parametrize("name", RODS)
+def test_rods_that_pierce_a_cube_through_its_faces_overlap_it(name):
+    random = np.random.default_rng(0)
+    world = vx.World(gravity=(0, 0, 0))
+    cube = world.add(vx.Model.from_mesh(trimesh.creation.box((0.1, 0.1, 0.1))), mass=0)
+    rod = world.add(RODS[name], mass=1.0)
+    for _ in range(50):
+        place = (*random.uniform(-0.045, 0.045, 2), 0.0)
+        rod.pose = vx.pose(place, euler=(*random.uniform(-0.05, 0.05, 2), 0.0))
+        assert world.overlaps(rod, cube)
+        deepest = world.query_contacts(rod, cube)["depth"].max()
+        assert deepest <= 0.05 + 2 * THIN
+        rod.pose = vx.pose((0.0531, *place[:2]), euler=(0, 0, random.uniform(0, 1)))
+        assert not world.overlaps(rod, cube)
