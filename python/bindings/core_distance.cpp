@@ -92,7 +92,7 @@ std::optional<Nearest> distance(const Field& field_a, const Model* model_a, cons
 }
 
 /// Poses that one thread takes at a time: enough to share a scratch, few enough to share the work.
-constexpr std::size_t kPosesATask = 64;
+constexpr std::size_t kPosesPerTask = 64;
 
 nb::ndarray<nb::numpy, double, nb::ndim<1>> distance_batch(
     const Field& field_a, const Model* model_a, const Field& field_b, const Model* model_b,
@@ -104,10 +104,9 @@ nb::ndarray<nb::numpy, double, nb::ndim<1>> distance_batch(
   const Roles roles = choose_roles(bodies, shells);
   auto found =
       std::make_unique<std::vector<double>>(count, std::numeric_limits<double>::infinity());
-  const auto ask = [&](std::size_t task) {
+  const auto ask = [&](std::size_t begin, std::size_t end) {
     std::array<QueryScratch, 2> scratches;
-    const std::size_t end = std::min((task + 1) * kPosesATask, count);
-    for (std::size_t i = task * kPosesATask; i < end; ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       const PairPose pose{world_from_a[i], world_from_b[i]};
       const auto nearest = find_in_pose(bodies, pose, roles, max_distance, [&](PairBody body) {
         QueryScratch& scratch = scratches[body == PairBody::kA ? 0 : 1];
@@ -122,7 +121,7 @@ nb::ndarray<nb::numpy, double, nb::ndim<1>> distance_batch(
     const Progress report = [&](std::string_view stage, double fraction) {
       return watch.report(stage, fraction);
     };
-    parallel_for((count + kPosesATask - 1) / kPosesATask, threads, "distances", report, ask);
+    parallel_for_ranges(count, kPosesPerTask, threads, "distances", report, ask);
   }
   watch.rethrow();
   double* const values = found->data();

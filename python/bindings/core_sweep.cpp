@@ -236,22 +236,21 @@ Sweeps sweep_batch(const Field& field_a, const Model* model_a, const Field& fiel
   BuildWatch watch(progress);
   {
     const ReleasedInterpreter released;
-    constexpr std::size_t kMotionsATask = 16;
-    const std::size_t tasks = (count + kMotionsATask - 1) / kMotionsATask;
+    constexpr std::size_t kMotionsPerTask = 16;
     const auto report = [&](std::string_view stage, double fraction) {
       return watch.report(stage, fraction);
     };
-    parallel_for(tasks, threads, "sweeps", report, [&](std::size_t task) {
+    const auto sweep_range = [&](std::size_t begin, std::size_t end) {
       std::array<QueryScratch, 2> scratches;
-      const std::size_t end = std::min((task + 1) * kMotionsATask, count);
-      for (std::size_t i = task * kMotionsATask; i < end; ++i) {
+      for (std::size_t i = begin; i < end; ++i) {
         const PairMotion motion{RigidMotion::between(a_starts[i], a_last[i]),
                                 RigidMotion::between(b_starts[i], b_last[i])};
         arrays.set(i, motion, sweep_pair(question, motion, [&](PairBody body) {
                      return &scratches[body == PairBody::kA ? 0 : 1];
                    }));
       }
-    });
+    };
+    parallel_for_ranges(count, kMotionsPerTask, threads, "sweeps", report, sweep_range);
   }
   watch.rethrow();
   return arrays.release_all();

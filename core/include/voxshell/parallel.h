@@ -19,4 +19,10 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
                   const Progress& progress, const std::function<void(std::size_t)>& task,
                   const std::function<void()>& begin_helper = {});
 
+/// Likewise calls `task(begin, end)` for ranges of `size` indices, of which the last may be
+/// shorter, that together are those below `count`.
+bool parallel_for_ranges(std::size_t count, std::size_t size, unsigned threads,
+                         std::string_view stage, const Progress& progress,
+                         const std::function<void(std::size_t, std::size_t)>& task);
+
 }  // namespace voxshell

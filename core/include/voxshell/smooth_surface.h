@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
-#include <vector>
 
 #include "voxshell/point_shell.h"
 #include "voxshell/triangle_mesh.h"
@@ -13,8 +11,8 @@
 
 namespace voxshell {
 
-class BoxFinder;
-class DistanceTree;
+class TriangleFinder;
+struct SmoothPatches;
 
 /// The smooth surface that a mesh of small facets represents.
 ///
@@ -41,20 +39,20 @@ class SmoothSurface {
   SmoothSurface& operator=(const SmoothSurface&) = delete;
 
   /// Whether any patch is curved.
-  bool is_curved() const { return most_lift_ > 0.0f; }
-  bool is_flat(std::uint32_t triangle) const { return lifts_[triangle] == 0.0f; }
+  bool is_curved() const;
+  bool is_flat(std::uint32_t triangle) const;
 
   /// The triangle that an element of the shell lies on; at a crease between a flat patch and a
   /// curved one, the curved one. Only for curved surfaces.
-  std::uint32_t triangle_of(std::uint32_t element) const { return triangle_of_element_[element]; }
+  std::uint32_t triangle_of(std::uint32_t element) const;
 
   /// Whether the element lies on a flat patch whose normal has at least this cosine with a
   /// direction, including at a crease to a curved one. Only for curved surfaces.
   bool lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const;
 
   /// Largest distance of a patch from its triangle, meters; 0 if the patch is flat.
-  float lift(std::uint32_t triangle) const { return lifts_[triangle]; }
-  float most_lift() const { return most_lift_; }
+  float lift(std::uint32_t triangle) const;
+  float most_lift() const;
   /// Whether the surface ends or bends sharply there.
   bool is_at_crease(const Place& place) const;
   Vec3 position(const Place& place) const;
@@ -90,22 +88,11 @@ class SmoothSurface {
 
  private:
   using Weights = std::array<double, 3>;  ///< of a triangle's corners, or a change of them
-  struct Beside;
   struct Chart;
   struct Height;
   struct Nearness;
 
-  void connect(std::span<const Vec3> face_normals);
-  std::vector<double> measure_faces(std::span<const Vec3> face_normals) const;
-  void average_normals(std::span<const Vec3> face_normals);
-  void sharpen_tips(std::span<const Vec3> face_normals);
-  void measure_lifts(std::span<const Vec3> face_normals);
-  void find_elements(const PointShell& shell);
-  void build_tree();
-  std::uint32_t nearest_triangle(const Vec3& place, std::uint32_t guess) const;
-  Beside find_beside(const Vec3& place, double distance, const BoxFinder& finder) const;
   Chart chart_of(std::uint32_t triangle) const;
-  std::array<Vec3, 3> normals_of(std::uint32_t triangle) const;
   Place across(const Place& place, std::size_t side) const;
   template <class F>
   std::optional<Place> project(const Vec3& point, Place place, const F& find) const;
@@ -114,16 +101,8 @@ class SmoothSurface {
   Slide climb(Place place, const Objective& objective, int most_triangles) const;
 
   const TriangleMesh* mesh_;
-  std::vector<std::array<std::uint32_t, 3>> neighbors_;  ///< across from each corner, if smooth
-  std::vector<std::array<std::uint32_t, 3>> corner_normals_;
-  std::vector<Vec3f> normals_;
-  std::vector<float> lifts_;
-  std::vector<std::uint32_t> triangle_of_element_;
-  std::vector<std::uint32_t> flat_of_element_;  ///< the flat one that it lies on, too, if any
-  float most_lift_ = 0.0f;
-  std::unique_ptr<const DistanceTree> tree_;
-  std::vector<std::int32_t> guesses_;  ///< for the tree, of places near each triangle
-  double unit_ = 1.0;                  ///< of the tree's lengths, meters
+  std::unique_ptr<const TriangleFinder> finder_;
+  std::unique_ptr<const SmoothPatches> patches_;
 };
 
 }  // namespace voxshell

@@ -138,4 +138,11 @@ bool parallel_for(std::size_t count, unsigned threads, std::string_view stage,
   return !stopped;
 }
 
+bool parallel_for_ranges(std::size_t count, std::size_t size, unsigned threads,
+                         std::string_view stage, const Progress& progress,
+                         const std::function<void(std::size_t, std::size_t)>& task) {
+  return parallel_for((count + size - 1) / size, threads, stage, progress,
+                      [&](std::size_t i) { task(i * size, std::min(count, (i + 1) * size)); });
+}
+
 }  // namespace voxshell

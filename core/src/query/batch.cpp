@@ -1,16 +1,12 @@
 #include "voxshell/batch.h"
 
-#include <algorithm>
-
 #include "voxshell/parallel.h"
 
 namespace voxshell {
 namespace {
 
 /// Poses that one thread takes at a time: enough to share a scratch, few enough to share the work.
-constexpr std::size_t kPosesATask = 64;
-
-std::size_t count_tasks(std::size_t poses) { return (poses + kPosesATask - 1) / kPosesATask; }
+constexpr std::size_t kPosesPerTask = 64;
 
 Error stopped() { return {ErrorCode::kCanceled, "the batch of queries was stopped"}; }
 
@@ -20,20 +16,22 @@ Result<ContactBatch> find_contacts_batch(const Field& field, const PointShell& s
                                          std::span<const Pose> field_from_shell,
                                          const ContactOptions& options, unsigned threads,
                                          const Progress& progress) {
-  const std::size_t tasks = count_tasks(field_from_shell.size());
-  std::vector<std::vector<Contact>> found(tasks);
+  const std::size_t count = field_from_shell.size();
+  std::vector<std::vector<Contact>> found(count / kPosesPerTask + 1);
   ContactBatch batch;
-  batch.offsets.assign(field_from_shell.size() + 1, 0);
-  const auto ask = [&](std::size_t task) {
+  batch.offsets.assign(count + 1, 0);
+  const auto ask = [&](std::size_t begin, std::size_t end) {
     QueryScratch scratch;
-    const std::size_t end = std::min((task + 1) * kPosesATask, field_from_shell.size());
-    for (std::size_t i = task * kPosesATask; i < end; ++i) {
+    std::vector<Contact>& of_task = found[begin / kPosesPerTask];
+    for (std::size_t i = begin; i < end; ++i) {
       const auto contacts = find_contacts(field, shell, field_from_shell[i], options, scratch);
-      found[task].insert(found[task].end(), contacts.begin(), contacts.end());
+      of_task.insert(of_task.end(), contacts.begin(), contacts.end());
       batch.offsets[i + 1] = contacts.size();
     }
   };
-  if (!parallel_for(tasks, threads, "contacts", progress, ask)) return stopped();
+  if (!parallel_for_ranges(count, kPosesPerTask, threads, "contacts", progress, ask)) {
+    return stopped();
+  }
   for (std::size_t i = 1; i < batch.offsets.size(); ++i) batch.offsets[i] += batch.offsets[i - 1];
   batch.contacts.reserve(batch.offsets.back());
   for (std::vector<Contact>& of_task : found) {
@@ -47,13 +45,12 @@ Result<std::vector<char>> collides_batch(const Field& field, const PointShell& s
                                          std::span<const Pose> field_from_shell, float margin,
                                          unsigned threads, const Progress& progress) {
   std::vector<char> result(field_from_shell.size());
-  const auto ask = [&](std::size_t task) {
-    const std::size_t end = std::min((task + 1) * kPosesATask, field_from_shell.size());
-    for (std::size_t i = task * kPosesATask; i < end; ++i) {
+  const auto ask = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       result[i] = collides(field, shell, field_from_shell[i], margin) ? 1 : 0;
     }
   };
-  if (!parallel_for(count_tasks(field_from_shell.size()), threads, "collisions", progress, ask)) {
+  if (!parallel_for_ranges(result.size(), kPosesPerTask, threads, "collisions", progress, ask)) {
     return stopped();
   }
   return result;

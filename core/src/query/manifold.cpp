@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -14,12 +15,13 @@
 namespace voxshell {
 namespace {
 
-/// The index of the contact with the largest score above zero, the first of equals; or the number
-/// of contacts where there is none.
+/// The index of the contact with the largest score above `floor`, the first of equals; or the
+/// number of contacts where there is none.
 template <class Score>
-std::uint32_t find_largest(std::span<const Contact> contacts, const Score& score) {
+std::uint32_t find_largest(std::span<const Contact> contacts, const Score& score,
+                           float floor = 0.0f) {
   auto best = static_cast<std::uint32_t>(contacts.size());
-  float best_score = 0.0f;
+  float best_score = floor;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
     // Branchless: a processor cannot predict which contact raises it.
     const float s = score(contacts[i]);
@@ -27,17 +29,6 @@ std::uint32_t find_largest(std::span<const Contact> contacts, const Score& score
     best_score = s > best_score ? s : best_score;
   }
   return best;
-}
-
-std::uint32_t find_deepest(std::span<const Contact> contacts) {
-  std::uint32_t deepest = 0;
-  float depth = contacts[0].depth;
-  for (std::uint32_t i = 1; i < contacts.size(); ++i) {
-    const float other = contacts[i].depth;
-    deepest = other > depth ? i : deepest;
-    depth = other > depth ? other : depth;
-  }
-  return deepest;
 }
 
 }  // namespace
@@ -51,7 +42,8 @@ ManifoldPoints select_manifold(std::span<const Contact> contacts, std::size_t ma
     return index < contacts.size() && manifold.count < max_points;
   };
 
-  const std::uint32_t deepest = find_deepest(contacts);
+  const std::uint32_t deepest = find_largest(
+      contacts, [](const Contact& c) { return c.depth; }, -std::numeric_limits<float>::infinity());
   if (!add(deepest)) return manifold;
   const Vec3f a = contacts[deepest].point;
 

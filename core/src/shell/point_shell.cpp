@@ -120,13 +120,13 @@ Result<PointShell> PointShell::build(const TriangleMesh& mesh, const VisibleSurf
 
   std::vector<Vec3f> points(sampling.points.size());
   std::vector<Vec3f> normals(sampling.points.size());
-  constexpr std::size_t kPointsATask = 1 << 14;
-  const std::size_t tasks = (points.size() + kPointsATask - 1) / kPointsATask;
+  constexpr std::size_t kPointsPerTask = 1 << 14;
   const auto for_points = [&](const auto& visit) {
-    parallel_for(tasks, settings.threads, "point shell", {}, [&](std::size_t task) {
-      const std::size_t end = std::min(points.size(), (task + 1) * kPointsATask);
-      for (std::size_t i = task * kPointsATask; i < end; ++i) visit(i);
-    });
+    const auto visit_range = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    };
+    parallel_for_ranges(points.size(), kPointsPerTask, settings.threads, "point shell", {},
+                        visit_range);
   };
   for_points([&](std::size_t i) {
     points[i] = sampling.points[i].point;

@@ -3,24 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
-#include <span>
 #include <utility>
 
-#include "base/portable_math.h"
-#include "mesh/box_finder.h"
 #include "mesh/closest_point.h"
-#include "mesh/disjoint_sets.h"
-#include "mesh/distance_tree.h"
 #include "mesh/edges.h"
-#include "voxshell/parallel.h"
+#include "mesh/triangle_finder.h"
+#include "shell/smooth_patches.h"
 
 namespace voxshell {
 namespace {
-
-/// The cosine of kMostBend.
-constexpr double kLeastCosine = 0.9781350224158666;
-static_assert(SmoothSurface::kMostBend == 0.2095);
 
 /// Most triangles that a slide leads through: half a turn of a fine mesh.
 constexpr int kMostTriangles = 256;
@@ -28,24 +19,10 @@ constexpr int kMostTriangles = 256;
 constexpr int kMostWalked = 8;
 /// Triangles that a slide crosses without moving before it counts as at rest on a vertex.
 constexpr int kMostAround = 8;
-/// Corner normals within this of the face's leave a patch flat; radians.
-constexpr float kFlatBend = 1e-4f;
-/// Relative to the mesh's size: elements are float32.
-constexpr double kRounding = 1e-6;
 /// Most times that a point is moved along a normal toward the surface to find what is nearest.
 constexpr int kMostProjections = 6;
 /// It has come near enough if it moves by less than this fraction of its coordinates.
 constexpr double kProjected = 1e-5;
-/// Half of what Phong tessellation projects: see the class.
-constexpr double kShapeFactor = 0.5;
-
-/// Elements whose triangles one thread finds: some milliseconds of work. Smaller models take none.
-constexpr std::size_t kElementsOfTask = 8192;
-
-constexpr std::size_t kCorners = 3;
-constexpr std::size_t next(std::size_t corner) { return corner + 1 == kCorners ? 0 : corner + 1; }
-constexpr std::size_t after_next(std::size_t corner) { return next(next(corner)); }
-
 /// A vector of a triangle's plane.
 struct Planar {
   double x;
@@ -116,25 +93,6 @@ std::optional<Planar> newton_step(const Shape& shape, double least) {
   return step;
 }
 
-Vec3 weighted_sum(const std::array<double, 3>& weights, const std::array<Vec3, 3>& of) {
-  return weights[0] * of[0] + weights[1] * of[1] + weights[2] * of[2];
-}
-
-/// Of a patch by the corners of its triangle and their normals.
-Vec3 position_on(const std::array<Vec3, 3>& corners, const std::array<Vec3, 3>& normals,
-                 const std::array<double, 3>& weights) {
-  const Vec3 flat = weighted_sum(weights, corners);
-  Vec3 lift;
-  for (std::size_t i = 0; i < kCorners; ++i) {
-    lift += weights[i] * dot(corners[i] - flat, normals[i]) * normals[i];
-  }
-  return flat + kShapeFactor * lift;
-}
-
-Vec3 face_normal(const std::array<Vec3, 3>& corners) {
-  return normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-}
-
 }  // namespace
 
 /// A triangle in its own plane: the first corner is the origin, the second lies on the x axis.
@@ -170,10 +128,10 @@ struct SmoothSurface::Height {
     Shape shape{slope, 0.0, 0.0, 0.0};
     if (surface.is_flat(place.triangle)) return shape;
     // The lift is a sum over pairs of corners of weight times weight times `bulge`.
-    const std::array<Vec3, 3> normals = surface.normals_of(place.triangle);
+    const std::array<Vec3, 3> normals = surface.patches_->normals_of(place.triangle);
     const std::array<Planar, 3> gradients = chart.gradients();
     for (std::size_t i = 0; i < kCorners; ++i) {
-      const std::size_t j = next(i);
+      const std::size_t j = next_corner(i);
       const Vec3 side = chart.corners[i] - chart.corners[j];
       const double bulge = kShapeFactor * (dot(side, normals[i]) * dot(normals[i], direction) -
                                            dot(side, normals[j]) * dot(normals[j], direction));
@@ -235,207 +193,33 @@ struct SmoothSurface::Nearness {
 
 SmoothSurface::SmoothSurface(const TriangleMesh& mesh, const PointShell& shell)
     : mesh_(&mesh),
-      neighbors_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}),
-      corner_normals_(mesh.triangles().size(), {kNoTriangle, kNoTriangle, kNoTriangle}) {
-  std::vector<Vec3> face_normals(mesh.triangles().size());
-  for (std::uint32_t triangle = 0; triangle < face_normals.size(); ++triangle) {
-    face_normals[triangle] = face_normal(mesh.corners(triangle));
-  }
-  connect(face_normals);
-  average_normals(face_normals);
-  measure_lifts(face_normals);
-  find_elements(shell);
-}
-
-void SmoothSurface::connect(std::span<const Vec3> face_normals) {
-  const auto triangles = mesh_->triangles();
-  const auto across_from = [&](std::uint32_t triangle, const MeshEdge& edge) {
-    std::size_t corner = 0;
-    while (triangles[triangle][corner] == edge.low || triangles[triangle][corner] == edge.high) {
-      ++corner;
-    }
-    return corner;
-  };
-  for (const MeshEdge& edge : find_edges(*mesh_)) {
-    if (edge.second == kNoTriangle) continue;
-    if (!(dot(face_normals[edge.first], face_normals[edge.second]) >= kLeastCosine)) continue;
-    neighbors_[edge.first][across_from(edge.first, edge)] = edge.second;
-    neighbors_[edge.second][across_from(edge.second, edge)] = edge.first;
-  }
-}
-
-/// Of each triangle: the area of the flat face that it is part of, m2.
-std::vector<double> SmoothSurface::measure_faces(std::span<const Vec3> face_normals) const {
-  DisjointSets faces(neighbors_.size());
-  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
-    for (const std::uint32_t other : neighbors_[triangle]) {
-      if (other == kNoTriangle || other < triangle) continue;
-      const Vec3 bend = face_normals[other] - face_normals[triangle];
-      if (squared_length(bend) <= static_cast<double>(kFlatBend * kFlatBend)) {
-        faces.join(triangle, other);
-      }
-    }
-  }
-  std::vector<double> areas(neighbors_.size(), 0.0);
-  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
-    const std::array<Vec3, 3> corners = mesh_->corners(triangle);
-    areas[faces.find(triangle)] +=
-        0.5 * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
-  }
-  for (std::uint32_t triangle = 0; triangle < neighbors_.size(); ++triangle) {
-    areas[triangle] = areas[faces.find(triangle)];
-  }
-  return areas;
+      finder_(std::make_unique<const TriangleFinder>(mesh)),
+      patches_(std::make_unique<const SmoothPatches>(build_smooth_patches(mesh, shell, *finder_))) {
 }
 
 SmoothSurface::~SmoothSurface() = default;
 
-/// One normal for all corners at a vertex that are connected without a crease. Faces count by their
-/// angle there times their squared area: a flat face beside a fillet stays flat, and the fillet
-/// leaves it smoothly.
-void SmoothSurface::average_normals(std::span<const Vec3> face_normals) {
-  const std::vector<double> face_areas = measure_faces(face_normals);
-  const auto triangles = mesh_->triangles();
-  std::vector<std::uint32_t> waiting;
-  for (std::uint32_t first = 0; first < triangles.size(); ++first) {
-    for (std::size_t corner = 0; corner < kCorners; ++corner) {
-      if (corner_normals_[first][corner] != kNoTriangle) continue;
-      const std::uint32_t vertex = triangles[first][corner];
-      const auto index = static_cast<std::uint32_t>(normals_.size());
-      Vec3 sum;
-      waiting.assign(1, first);
-      while (!waiting.empty()) {
-        const std::uint32_t triangle = waiting.back();
-        waiting.pop_back();
-        const auto& of = triangles[triangle];
-        const auto at = static_cast<std::size_t>(std::ranges::find(of, vertex) - of.begin());
-        if (at == kCorners || corner_normals_[triangle][at] != kNoTriangle) continue;
-        corner_normals_[triangle][at] = index;
-        const std::array<Vec3, 3> corners = mesh_->corners(triangle);
-        const Vec3 u = corners[next(at)] - corners[at];
-        const Vec3 v = corners[after_next(at)] - corners[at];
-        const double area = face_areas[triangle];
-        sum +=
-            portable_atan2(length(cross(u, v)), dot(u, v)) * area * area * face_normals[triangle];
-        for (const std::size_t side : {next(at), after_next(at)}) {
-          if (neighbors_[triangle][side] != kNoTriangle)
-            waiting.push_back(neighbors_[triangle][side]);
-        }
-      }
-      normals_.push_back(static_cast<Vec3f>(normalized(sum)));
-    }
-  }
-  sharpen_tips(face_normals);
+bool SmoothSurface::is_curved() const { return patches_->most_lift > 0.0f; }
+
+bool SmoothSurface::is_flat(std::uint32_t triangle) const { return patches_->is_flat(triangle); }
+
+std::uint32_t SmoothSurface::triangle_of(std::uint32_t element) const {
+  return patches_->triangle_of_element[element];
 }
 
-/// At the tip of a cone, where the mean is far from each of its faces, these keep their own.
-void SmoothSurface::sharpen_tips(std::span<const Vec3> face_normals) {
-  const auto least_cosine = static_cast<float>(kLeastCosine);
-  for (std::uint32_t triangle = 0; triangle < corner_normals_.size(); ++triangle) {
-    const auto face = static_cast<Vec3f>(face_normals[triangle]);
-    for (std::uint32_t& normal : corner_normals_[triangle]) {
-      if (dot(normals_[normal], face) >= least_cosine) continue;
-      normal = static_cast<std::uint32_t>(normals_.size());
-      normals_.push_back(face);
-    }
-  }
-}
+float SmoothSurface::lift(std::uint32_t triangle) const { return patches_->lifts[triangle]; }
 
-/// Patches are farthest from their triangles at the middles of their sides or at their own.
-void SmoothSurface::measure_lifts(std::span<const Vec3> face_normals) {
-  constexpr double kThird = 1.0 / 3.0;
-  constexpr std::array<std::array<double, 3>, 4> kMiddles{
-      {{0.5, 0.5, 0.0}, {0.0, 0.5, 0.5}, {0.5, 0.0, 0.5}, {kThird, kThird, kThird}}};
-  lifts_.resize(mesh_->triangles().size());
-  for (std::uint32_t triangle = 0; triangle < lifts_.size(); ++triangle) {
-    const auto face = static_cast<Vec3f>(face_normals[triangle]);
-    const auto bends = [&](std::uint32_t normal) {
-      return squared_length(normals_[normal] - face) > kFlatBend * kFlatBend;
-    };
-    if (std::ranges::none_of(corner_normals_[triangle], bends)) continue;
-    for (const std::array<double, 3>& weights : kMiddles) {
-      const Place place{triangle, weights};
-      const Vec3 flat = weighted_sum(weights, mesh_->corners(triangle));
-      const auto lift = static_cast<float>(length(position(place) - flat));
-      lifts_[triangle] = std::max(lifts_[triangle], lift);
-    }
-    most_lift_ = std::max(most_lift_, lifts_[triangle]);
-  }
-}
-
-/// Triangles on which a place lies.
-struct SmoothSurface::Beside {
-  std::uint32_t flat = kNoTriangle;
-  std::uint32_t curved = kNoTriangle;
-};
-
-void SmoothSurface::find_elements(const PointShell& shell) {
-  build_tree();
-  if (!is_curved()) return;
-  const BoxFinder finder(bound_triangles(*mesh_));
-  const Vec3 size = mesh_->bounds().extents();
-  const double rounding = kRounding * std::max({size.x, size.y, size.z});
-  const std::size_t count = shell.element_count();
-  triangle_of_element_.resize(count);
-  flat_of_element_.resize(count);
-  const auto find = [&](std::uint32_t id) {
-    const auto place = static_cast<Vec3>(
-        shell.is_point(id)
-            ? shell.points()[id]
-            : shell.edges()->middles()[id - static_cast<std::uint32_t>(shell.size())]);
-    const Beside beside = find_beside(place, rounding, finder);
-    flat_of_element_[id] = beside.flat;
-    triangle_of_element_[id] = beside.curved;
-    if (beside.curved != kNoTriangle) return;
-    if (beside.flat == kNoTriangle) flat_of_element_[id] = nearest_triangle(place, 0);
-    triangle_of_element_[id] = flat_of_element_[id];
-  };
-  parallel_for((count + kElementsOfTask - 1) / kElementsOfTask, 0, {}, {}, [&](std::size_t task) {
-    const std::size_t end = std::min(count, (task + 1) * kElementsOfTask);
-    for (std::size_t id = task * kElementsOfTask; id < end; ++id) {
-      find(static_cast<std::uint32_t>(id));
-    }
-  });
-}
-
-/// Of a thousand units along the mesh's diagonal.
-void SmoothSurface::build_tree() {
-  constexpr double kUnits = 1024.0;
-  const double diagonal = length(mesh_->bounds().extents());
-  unit_ = diagonal > 0.0 ? diagonal / kUnits : 1.0;
-  tree_ = std::make_unique<const DistanceTree>(*mesh_, mesh_->bounds().lower, unit_, 0);
-  guesses_ = tree_->list_guesses();
-}
-
-/// That of the nearest place of all triangles, flat as they are.
-std::uint32_t SmoothSurface::nearest_triangle(const Vec3& place, std::uint32_t guess) const {
-  const Vec3 from_origin = (place - mesh_->bounds().lower) / unit_;
-  return tree_->find_nearest(from_origin, guesses_[guess]).triangle;
-}
-
-/// The first triangles within a distance of a place whose patches are flat, and are not.
-SmoothSurface::Beside SmoothSurface::find_beside(const Vec3& place, double distance,
-                                                 const BoxFinder& finder) const {
-  Bounds box;
-  box.extend(place);
-  Beside beside;
-  finder.visit(widen(box, distance), [&](std::uint32_t triangle) {
-    std::uint32_t& first = is_flat(triangle) ? beside.flat : beside.curved;
-    if (triangle > first) return;
-    const Vec3 closest = closest_point_on_triangle(place, mesh_->corners(triangle));
-    if (squared_length(place - closest) <= distance * distance) first = triangle;
-  });
-  return beside;
-}
+float SmoothSurface::most_lift() const { return patches_->most_lift; }
 
 bool SmoothSurface::lies_flat(std::uint32_t element, const Vec3& direction, double cosine) const {
-  const std::uint32_t triangle = flat_of_element_[element];
+  const std::uint32_t triangle = patches_->flat_of_element[element];
   return triangle != kNoTriangle && dot(face_normal(mesh_->corners(triangle)), direction) >= cosine;
 }
 
 bool SmoothSurface::is_at_crease(const Place& place) const {
   for (std::size_t side = 0; side < kCorners; ++side) {
-    if (place.weights[side] == 0.0 && neighbors_[place.triangle][side] == kNoTriangle) return true;
+    if (place.weights[side] == 0.0 && patches_->neighbors[place.triangle][side] == kNoTriangle)
+      return true;
   }
   return false;
 }
@@ -454,22 +238,17 @@ SmoothSurface::Chart SmoothSurface::chart_of(std::uint32_t triangle) const {
   return chart;
 }
 
-std::array<Vec3, 3> SmoothSurface::normals_of(std::uint32_t triangle) const {
-  const auto& of = corner_normals_[triangle];
-  return {static_cast<Vec3>(normals_[of[0]]), static_cast<Vec3>(normals_[of[1]]),
-          static_cast<Vec3>(normals_[of[2]])};
-}
-
 Vec3 SmoothSurface::position(const Place& place) const {
-  return position_on(mesh_->corners(place.triangle), normals_of(place.triangle), place.weights);
+  return position_on(mesh_->corners(place.triangle), patches_->normals_of(place.triangle),
+                     place.weights);
 }
 
 Vec3 SmoothSurface::normal(const Place& place) const {
-  return normalized(weighted_sum(place.weights, normals_of(place.triangle)));
+  return normalized(weighted_sum(place.weights, patches_->normals_of(place.triangle)));
 }
 
 SmoothSurface::TangentPlane SmoothSurface::tangent_plane(const Place& place) const {
-  const std::array<Vec3, 3> normals = normals_of(place.triangle);
+  const std::array<Vec3, 3> normals = patches_->normals_of(place.triangle);
   return {position_on(mesh_->corners(place.triangle), normals, place.weights),
           normalized(weighted_sum(place.weights, normals))};
 }
@@ -481,8 +260,8 @@ SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec
   const double squared = squared_length(area);
   if (!(squared > 0.0)) return {triangle, {1.0, 0.0, 0.0}};
   const auto weight = [&](std::size_t corner) {
-    const Vec3& a = corners[next(corner)];
-    const Vec3& b = corners[after_next(corner)];
+    const Vec3& a = corners[next_corner(corner)];
+    const Vec3& b = corners[previous_corner(corner)];
     return std::clamp(dot(cross(a - on, b - on), area) / squared, 0.0, 1.0);
   };
   const double second = weight(1);
@@ -492,12 +271,12 @@ SmoothSurface::Place SmoothSurface::nearest_on(std::uint32_t triangle, const Vec
 
 /// The same place on the triangle across from a corner.
 SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side) const {
-  const std::uint32_t triangle = neighbors_[place.triangle][side];
+  const std::uint32_t triangle = patches_->neighbors[place.triangle][side];
   const Triangle& from = mesh_->triangles()[place.triangle];
   const Triangle& to = mesh_->triangles()[triangle];
   Place moved{triangle, {}};
   for (std::size_t i = 0; i < kCorners; ++i) {
-    for (const std::size_t shared : {next(side), after_next(side)}) {
+    for (const std::size_t shared : {next_corner(side), previous_corner(side)}) {
       if (to[i] == from[shared]) moved.weights[i] = place.weights[shared];
     }
   }
@@ -508,7 +287,7 @@ SmoothSurface::Place SmoothSurface::across(const Place& place, std::size_t side)
 double SmoothSurface::along_side(std::uint32_t triangle, const Weights& way,
                                  std::size_t side) const {
   const std::array<Vec3, 3> corners = mesh_->corners(triangle);
-  const Vec3 along = corners[after_next(side)] - corners[next(side)];
+  const Vec3 along = corners[previous_corner(side)] - corners[next_corner(side)];
   return dot(weighted_sum(way, corners), along) / squared_length(along);
 }
 
@@ -527,11 +306,11 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
     standing = exit.fraction > 0.0 ? 0 : standing + 1;
     if (standing > kMostAround) return {place, true};
     std::size_t side = exit.side;
-    const std::uint32_t neighbor = neighbors_[place.triangle][side];
+    const std::uint32_t neighbor = patches_->neighbors[place.triangle][side];
     if (neighbor == kNoTriangle || neighbor == before) {
       // At a crease, or where two patches lead to each other, on along the side.
-      const std::size_t from = next(side);
-      const std::size_t to = after_next(side);
+      const std::size_t from = next_corner(side);
+      const std::size_t to = previous_corner(side);
       const double wanted = neighbor == kNoTriangle
                                 ? objective.step_along(place, from, to)
                                 : (1.0 - exit.fraction) * along_side(place.triangle, *way, side);
@@ -544,7 +323,7 @@ SmoothSurface::Slide SmoothSurface::climb(Place place, const Objective& objectiv
       if (reached == target) return {place, true};
       // Past the end of the side: on over the other one that ends there.
       side = reached > 0.0 ? from : to;
-      if (neighbors_[place.triangle][side] == kNoTriangle) return {place, false};
+      if (patches_->neighbors[place.triangle][side] == kNoTriangle) return {place, false};
     }
     before = place.triangle;
     place = across(place, side);
@@ -581,7 +360,7 @@ SmoothSurface::Place SmoothSurface::nearest(const Vec3& point, std::uint32_t gue
       if (walked.is_at_rest) return walked;
     }
     is_searched = true;
-    return Slide{nearest_on(nearest_triangle(near, place.triangle), near), true};
+    return Slide{nearest_on(finder_->find_nearest(near, place.triangle), near), true};
   };
   return project(point, {guess, {}}, find).value_or(Place{guess, {}});
 }

@@ -105,5 +105,22 @@ TEST(ParallelFor, BeginsEachHelperBeforeItsTasks) {
   EXPECT_TRUE(parallel_for(100, 4, "", {}, task, begin));
 }
 
+TEST(ParallelForRanges, DoesEveryIndexOnceInRangesOfOneSize) {
+  for (const std::size_t count : {0u, 1u, 9u, 10u, 11u, 1000u}) {
+    std::vector<std::atomic<int>> done(count);
+    EXPECT_TRUE(parallel_for_ranges(count, 10, 3, "", {}, [&](std::size_t begin, std::size_t end) {
+      EXPECT_EQ(begin % 10, 0u);
+      EXPECT_TRUE(end == begin + 10 || end == count);
+      for (std::size_t i = begin; i < end; ++i) ++done.at(i);
+    }));
+    for (const auto& times : done) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(ParallelForRanges, StopsWhereProgressSaysSo) {
+  const auto refuse = [](std::string_view, double) { return false; };
+  EXPECT_FALSE(parallel_for_ranges(1, 10, 1, "", refuse, [](std::size_t, std::size_t) {}));
+}
+
 }  // namespace
 }  // namespace voxshell::parallel_test

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -76,25 +74,6 @@ TEST(SmoothSurface, OfACylinderIsLeftAlongItsAxis) {
     EXPECT_LT(length(place - Vec3{0.5 * std::cos(0.7), 0.5 * std::sin(0.7), point.z}), 2e-3)
         << id << (shell.is_point(id) ? " point" : " edge");
   }
-}
-
-// With means of the angles alone, faces of 100 mm bulged by a millimeter, and sides of a cone by
-// more.
-TEST(SmoothSurface, OfFlatFacesBesideFilletsAndOfConesKeepsTheirShape) {
-  std::vector<std::array<double, 2>> polygon;
-  std::vector<Triangle> caps;
-  for (std::uint32_t i = 0; i < 40; ++i) {
-    const double angle = 2.0 * std::numbers::pi * (i - i / 10) / 36.0;
-    polygon.push_back({(i / 10 % 3 == 0 ? 0.04 : -0.04) + 0.01 * std::cos(angle),
-                       (i < 20 ? 0.03 : -0.03) + 0.01 * std::sin(angle)});
-    if (i >= 2) caps.push_back({0, i - 1, i});
-  }
-  const TriangleMesh box = mesh_of(make_prism(polygon, caps, -0.02, 0.02));
-  const SmoothSurface filleted(box, shell_of(box, 1e-4));
-  EXPECT_TRUE(filleted.is_curved());
-  EXPECT_LT(filleted.most_lift(), 5e-5f);
-  const TriangleMesh cone = mesh_of(make_cone(0.05, 0.1, 64));
-  EXPECT_LT(SmoothSurface(cone, shell_of(cone, 1e-4)).most_lift(), 1e-4f);
 }
 
 TEST(SmoothSurface, OfCoarseFacetsIsFlat) {
