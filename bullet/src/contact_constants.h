@@ -578,6 +578,12 @@ inline constexpr double kEndOfSize = 0.001;
 /// What turning does to the depth there is at least this fraction of it. Smaller: wheels that roll
 /// over waves are braked.
 inline constexpr double kLeastByTurning = 0.5;
+/// Or this fraction of the smaller body's size: facets of wheels do less. Larger: capsules that
+/// pass a ball end the step in it.
+inline constexpr double kLeastByTurningOfSize = 0.02;
+/// Where the normal there has at least this cosine with that of a contact, within 1.8 degrees, it
+/// does not matter what turning does. Smaller: what rolls in a bowl is braked.
+inline constexpr double kSameEndNormal = 0.9995;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are
 /// deeper.
 inline constexpr int kMostSolutionsOfTurns = 3;

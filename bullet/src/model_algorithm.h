@@ -94,6 +94,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void choose_points(const PairStep& step, bool carries_on);
   void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
+  void release_idle();
 
   const ContactSettings& settings_;
   Purpose purpose_;
@@ -107,7 +108,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::vector<Contact> chosen_;              ///< those that were found and are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step
-  std::vector<btPersistentManifold*> idle_;  ///< empty ones, kept for later steps
+  std::vector<btPersistentManifold*> idle_;  ///< empty ones, for other segments of this step
 };
 
 }  // namespace voxshell::bullet

@@ -16,6 +16,15 @@
 namespace voxshell::bullet {
 namespace {
 
+template <class Visit>
+void visit_points(const btManifoldArray& manifolds, const Visit& visit) {
+  for (int m = 0; m < manifolds.size(); ++m) {
+    for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
+      visit(manifolds[m]->getContactPoint(i));
+    }
+  }
+}
+
 /// A place where two bodies are in each other. World frame.
 struct Overlap {
   btVector3 normal;  ///< outwards of the second body
@@ -47,6 +56,10 @@ class Overlaps : public btManifoldResult {
     btScalar distance = 0;
     for (const Overlap& overlap : all()) distance = std::min(distance, overlap.distance);
     return distance;
+  }
+  /// That is the deepest; there is one.
+  const Overlap& deepest_place() const {
+    return *std::ranges::min_element(all(), {}, &Overlap::distance);
   }
 
  private:
@@ -98,13 +111,15 @@ Overlaps find_overlaps(const Posed& a, const Posed& b, btCollisionDispatcher& di
   return overlaps;
 }
 
-template <class Visit>
-void visit_points(const btManifoldArray& manifolds, const Visit& visit) {
-  for (int m = 0; m < manifolds.size(); ++m) {
-    for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
-      visit(manifolds[m]->getContactPoint(i));
-    }
-  }
+/// Whether the place has the normal of a contact of its bodies: where the ground does not bend, a
+/// contact there does not brake what rolls.
+bool has_normal_of_contact(const Overlap& place, const btManifoldArray& manifolds) {
+  bool is_found = false;
+  visit_points(manifolds, [&](const btManifoldPoint& point) {
+    const btScalar cosine = point.m_normalWorldOnB.dot(place.normal);
+    is_found = is_found || btFabs(cosine) >= static_cast<btScalar>(kSameEndNormal);
+  });
+  return is_found;
 }
 
 /// How far places of contacts move at most, as the other body sees them.
@@ -188,11 +203,16 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
   const Overlaps overlaps = find_overlaps(end_a, end_b, dispatcher, info);
   const btScalar depth = allowed - overlaps.deepest();
   if (!(depth > least)) return false;
-  // Round bodies do not come to face others with other places by turning.
-  const btScalar of_unturned =
-      find_overlaps(unturned(end_a), unturned(end_b), dispatcher, info).deepest();
-  const btScalar by_turning = btFabs(overlaps.deepest() - of_unturned);
-  if (by_turning < static_cast<btScalar>(kLeastByTurning) * depth) return false;
+  if (!has_normal_of_contact(overlaps.deepest_place(), manifolds_)) {
+    const btScalar of_unturned =
+        find_overlaps(unturned(end_a), unturned(end_b), dispatcher, info).deepest();
+    const btScalar by_turning = btFabs(overlaps.deepest() - of_unturned);
+    // Round bodies do not come to face others with other places by turning.
+    if (by_turning < std::min(static_cast<btScalar>(kLeastByTurning) * depth,
+                              static_cast<btScalar>(kLeastByTurningOfSize) * size)) {
+      return false;
+    }
+  }
   const bool is_swapped = manifolds_[0]->getBody0() != &a;
   bool has_added = false;
   for (const Overlap& overlap : overlaps.all()) {
