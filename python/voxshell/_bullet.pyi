@@ -76,7 +76,7 @@ class MotorMode(enum.Enum):
     FOLLOW = 3
 
 class Motor:
-    def __init__(self, mode: MotorMode, target: float, max_force: float, max_speed: float, leader: int = -1, multiplier: float = 1.0) -> None: ...
+    def __init__(self, mode: MotorMode, target: float, max_force: float, max_speed: float, leader: int = -1, multiplier: float = 1.0, velocity: float = 0.0) -> None: ...
 
     @property
     def mode(self) -> MotorMode: ...
@@ -95,6 +95,9 @@ class Motor:
 
     @property
     def multiplier(self) -> float: ...
+
+    @property
+    def velocity(self) -> float: ...
 
 class JointReading:
     @property

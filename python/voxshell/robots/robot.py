@@ -8,7 +8,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from voxshell.base.arguments import show_apart
+from voxshell.base.arguments import show_apart, show_value
 from voxshell.base.calls import explain_calls
 from voxshell.base.near_names import suggest_on_set
 from voxshell.base.notebook import make_table
@@ -176,15 +176,70 @@ class Robot:
         given = as_positions(positions)
         described = self._described.values()
         found = complete_positions(described, given, f"joints of robot {self.name!r}")
+    def set_velocities(self, velocities: Mapping[str, float]) -> None:
+        """Give joints velocities at once, as for a new episode that begins in motion.
+
+        Other joints keep their velocities, except that joints which mimic one of these move along with
+        it. The root keeps its own motion, so a root that is not fixed needs no velocity here. Motors
+        keep their targets: without a motor or with one that has the same target velocity, a joint moves on.
+        Call :meth:`set_positions` first, because it brings the robot to rest.
+
+        Args:
+            velocities: Rad/s or m/s, by the names of joints.
+
+        Raises:
+            InputTypeError: ``velocities`` does not map names to numbers.
+            SettingsError: There is no such joint.
+
+        Example:
+            >>> import pathlib, tempfile
+            >>> import voxshell as vx
+            >>> text = '''
+            ... <robot name="mast">
+            ...   <link name="foot"/>
+            ...   <link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
+            ...     <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+            ...   <joint name="turn" type="continuous">
+            ...     <parent link="foot"/><child link="arm"/><axis xyz="0 0 1"/>
+            ...   </joint>
+            ... </robot>'''
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     path = pathlib.Path(folder, "mast.urdf")
+            ...     _ = path.write_text(text)
+            ...     robot = vx.load_urdf(vx.World(), path)
+            >>> robot.set_positions({"turn": 0.0})
+            >>> robot.set_velocities({"turn": 2.0})
+            >>> robot.velocities["turn"], robot.links["arm"].body.linear_velocity.round(9) + 0.0
+            (2.0, array([0., 1., 0.]))
+        """
+        owner = f"joints of robot {self.name!r}"
+        described = self._described.values()
+        given = as_positions(velocities, "velocities")
+        found = complete_velocities(described, given, self.positions, owner)
+        poses = {name: link.pose for name, link in self.links.items()}
+        twists = {name: find_twist(link) for name, link in self.links.items()}
+        moved: set[Body] = set()
+        for name, twist in find_twists(described, found, poses, twists).items():
+            body = self.links[name].body
+            if body is None or body in moved or body.motion != "dynamic":
+                continue
+            moved.add(body)
+            body.angular_velocity = twist.angular
+            body.linear_velocity = twist.linear_at(body.center_of_mass)
+
         before = {name: link.pose for name, link in self.links.items()}
         after = dict(before)
         tops = {name: name for name in self.links}  # of the tree of each link
         for joint in described:
             if joint.type == "floating":
                 continue
+        velocities: Mapping[str, float] | None = None,
             tops[joint.child] = tops[joint.parent]
             if joint.name in found:
                 parent_from_child = find_child(joint, found[joint.name])
+        To follow a motion without lag, set the present positions of the motion and its velocities
+        before each step; see :meth:`Joint.set_target_position`.
+
             else:
                 parent_from_child = invert(before[joint.parent]) @ before[joint.child]
             after[joint.child] = after[joint.parent] @ parent_from_child
@@ -195,6 +250,8 @@ class Robot:
                 continue
             placed.add(link.body)
             if tops[name] in moved:
+            velocities: Velocities of the targets, rad/s or m/s, by the names of joints that
+                ``positions`` names, too; 0 for the others. Joints that mimic others need none.
                 link.body.place(after[name] @ invert(link.body_from_link))
         for name, position in found.items():
             if isinstance(self.joints[name].kind, HingeJoint):
@@ -221,14 +278,21 @@ class Robot:
                 without one.
 
         Raises:
-            InputTypeError: ``positions`` does not map names to numbers.
+            InputTypeError: ``positions`` or ``velocities`` does not map names to numbers.
             SettingsError: There is no such joint, the position is beyond its limits, it mimics another
                 joint and would have another position, or neither the file nor ``max_force`` states its
-                effort.
+                effort. Or ``velocities`` names a joint without a position.
 
         Example:
             >>> import pathlib, tempfile
             >>> import voxshell as vx
+        speeds = {} if velocities is None else as_positions(velocities, "velocities")
+        for name in speeds:
+            if name not in targets:
+                raise SettingsError(
+                    f"velocities names {show_value(name)}, but positions does not: pass both, or call "
+                    "set_target_velocities()"
+                )
             >>> text = '''
             ... <robot name="mast">
             ...   <link name="foot"/>
@@ -243,6 +307,7 @@ class Robot:
             ...   </joint>
             ... </robot>'''
             >>> world = vx.World()
+                velocity=speeds.get(name, 0.0),
             >>> with tempfile.TemporaryDirectory() as folder:
             ...     path = pathlib.Path(folder, "mast.urdf")
             ...     _ = path.write_text(text)
