@@ -45,7 +45,7 @@ PYBULLET = {
     "removeConstraint": "call World.remove(joint)",
     "resetBasePositionAndOrientation": "call Body.place(pose)",
     "resetBaseVelocity": "set Body.linear_velocity and Body.angular_velocity",
-    "resetJointState": "call Robot.set_positions({name: position})",
+    "resetJointState": "call Robot.set_positions({name: position}), and then set_velocities({name: velocity})",
     "resetSimulation": "make another World()",
     "restoreState": "call World.restore_state(state)",
     "saveState": "call World.save_state()",

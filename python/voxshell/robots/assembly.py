@@ -12,7 +12,8 @@ from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
 from voxshell.model.shapes import Sphere
 from voxshell.robots.description import MIMIC_EFFORT
 from voxshell.robots.kinematics import find_child, move_along
-from voxshell.robots.robot import Link, Robot
+from voxshell.robots.link import Link
+from voxshell.robots.robot import Robot
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.material import Material
 from voxshell.simulation.world import World

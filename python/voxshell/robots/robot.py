@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -14,13 +13,15 @@ from voxshell.base.near_names import suggest_on_set
 from voxshell.base.notebook import make_table
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
-from voxshell.robots.kinematics import find_child
+from voxshell.robots.kinematics import find_child, find_twists
+from voxshell.robots.link import Link, find_twist
 from voxshell.robots.named_parts import NamedParts
 from voxshell.robots.starts import (
     HELD_WITHIN,
     as_positions,
     clamp,
     complete_positions,
+    complete_velocities,
     follow,
     refuse_beyond,
 )
@@ -29,39 +30,10 @@ from voxshell.simulation.joint_kinds import HingeJoint
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from voxshell.robots.description import JointDescription
     from voxshell.simulation.body import Body
     from voxshell.simulation.joints import Joint
     from voxshell.simulation.world import World
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """A link of a robot. Links that fixed joints hold together are one body.
-
-    Attributes:
-        name: As in the file.
-        body: The body that it is part of; None if it is fixed to the world and has no surface.
-        body_from_link: (4, 4) float64; without a body, ``world_from_link``.
-        color: Red, green and blue, 0 to 255, of its first visual; None if the file states none.
-    """
-
-    name: str
-    body: Body | None
-    body_from_link: NDArray[np.float64]
-    color: tuple[int, int, int] | None
-
-    def __repr__(self) -> str:
-        place = "fixed to the world" if self.body is None else f"part of {self.body!r}"
-        return f"Link({self.name!r}, {place})"
-
-    @property
-    def pose(self) -> NDArray[np.float64]:
-        """``world_from_link``, (4, 4) float64."""
-        return self.body_from_link if self.body is None else self.body.pose @ self.body_from_link
 
 
 @explain_calls
@@ -133,7 +105,11 @@ class Robot:
 
     @property
     def velocities(self) -> Mapping[str, float]:
-        """Present velocities of all moving joints, by name: rad/s or m/s; read-only."""
+        """Present velocities of all moving joints, by name: rad/s or m/s; read-only.
+
+        :meth:`set_target_velocities` drives joints at velocities, and :meth:`set_velocities` gives them
+        velocities at once.
+        """
         return MappingProxyType({name: joint.velocity for name, joint in self.joints.items()})
 
     def set_positions(self, positions: Mapping[str, float]) -> None:
@@ -176,6 +152,30 @@ class Robot:
         given = as_positions(positions)
         described = self._described.values()
         found = complete_positions(described, given, f"joints of robot {self.name!r}")
+        before = {name: link.pose for name, link in self.links.items()}
+        after = dict(before)
+        tops = {name: name for name in self.links}  # of the tree of each link
+        for joint in described:
+            if joint.type == "floating":
+                continue
+            tops[joint.child] = tops[joint.parent]
+            if joint.name in found:
+                parent_from_child = find_child(joint, found[joint.name])
+            else:
+                parent_from_child = invert(before[joint.parent]) @ before[joint.child]
+            after[joint.child] = after[joint.parent] @ parent_from_child
+        moved = {tops[self._described[name].child] for name in found}
+        placed: set[Body] = set()
+        for name, link in self.links.items():
+            if link.body is None or link.body in placed or link.body.motion == "static":
+                continue
+            placed.add(link.body)
+            if tops[name] in moved:
+                link.body.place(after[name] @ invert(link.body_from_link))
+        for name, position in found.items():
+            if isinstance(self.joints[name].kind, HingeJoint):
+                self.joints[name]._count_turns_from(position)
+
     def set_velocities(self, velocities: Mapping[str, float]) -> None:
         """Give joints velocities at once, as for a new episode that begins in motion.
 
@@ -227,44 +227,18 @@ class Robot:
             body.angular_velocity = twist.angular
             body.linear_velocity = twist.linear_at(body.center_of_mass)
 
-        before = {name: link.pose for name, link in self.links.items()}
-        after = dict(before)
-        tops = {name: name for name in self.links}  # of the tree of each link
-        for joint in described:
-            if joint.type == "floating":
-                continue
-        velocities: Mapping[str, float] | None = None,
-            tops[joint.child] = tops[joint.parent]
-            if joint.name in found:
-                parent_from_child = find_child(joint, found[joint.name])
-        To follow a motion without lag, set the present positions of the motion and its velocities
-        before each step; see :meth:`Joint.set_target_position`.
-
-            else:
-                parent_from_child = invert(before[joint.parent]) @ before[joint.child]
-            after[joint.child] = after[joint.parent] @ parent_from_child
-        moved = {tops[self._described[name].child] for name in found}
-        placed: set[Body] = set()
-        for name, link in self.links.items():
-            if link.body is None or link.body in placed or link.body.motion == "static":
-                continue
-            placed.add(link.body)
-            if tops[name] in moved:
-            velocities: Velocities of the targets, rad/s or m/s, by the names of joints that
-                ``positions`` names, too; 0 for the others. Joints that mimic others need none.
-                link.body.place(after[name] @ invert(link.body_from_link))
-        for name, position in found.items():
-            if isinstance(self.joints[name].kind, HingeJoint):
-                self.joints[name]._count_turns_from(position)
-
     def set_targets(
         self,
         positions: Mapping[str, float],
         *,
         max_force: float | None = None,
         max_speed: float | None = None,
+        velocities: Mapping[str, float] | None = None,
     ) -> None:
         """Drive joints to positions and hold them there; other joints keep their targets.
+
+        To follow a motion without lag, set the present positions of the motion and its velocities
+        before each step; see :meth:`Joint.set_target_position`.
 
         Any positions that the robot had are valid, so ``robot.set_targets(robot.positions)`` holds it
         where it is: a joint that was pressed against its limit, and reads up to 0.001 more, is driven to
@@ -276,6 +250,8 @@ class Robot:
             max_force: Newton meters or newtons; by default each joint's effort in the file.
             max_speed: Rad/s or m/s; by default each joint's velocity in the file, or no limit
                 without one.
+            velocities: Velocities of the targets, rad/s or m/s, by the names of joints that
+                ``positions`` names, too; 0 for the others. Joints that mimic others need none.
 
         Raises:
             InputTypeError: ``positions`` or ``velocities`` does not map names to numbers.
@@ -286,13 +262,6 @@ class Robot:
         Example:
             >>> import pathlib, tempfile
             >>> import voxshell as vx
-        speeds = {} if velocities is None else as_positions(velocities, "velocities")
-        for name in speeds:
-            if name not in targets:
-                raise SettingsError(
-                    f"velocities names {show_value(name)}, but positions does not: pass both, or call "
-                    "set_target_velocities()"
-                )
             >>> text = '''
             ... <robot name="mast">
             ...   <link name="foot"/>
@@ -307,7 +276,6 @@ class Robot:
             ...   </joint>
             ... </robot>'''
             >>> world = vx.World()
-                velocity=speeds.get(name, 0.0),
             >>> with tempfile.TemporaryDirectory() as folder:
             ...     path = pathlib.Path(folder, "mast.urdf")
             ...     _ = path.write_text(text)
@@ -318,6 +286,13 @@ class Robot:
             0.5
         """
         targets = as_positions(positions)
+        speeds = {} if velocities is None else as_positions(velocities, "velocities")
+        for name in speeds:
+            if name not in targets:
+                raise SettingsError(
+                    f"velocities names {show_value(name)}, but positions does not: pass both, or call "
+                    "set_target_velocities()"
+                )
         drives: list[Callable[[], None]] = []
         for name, target in targets.items():
             joint = self._find(name)
@@ -332,6 +307,7 @@ class Robot:
                 held,
                 max_force=self._force(name, max_force),
                 max_speed=self._speed(name, max_speed),
+                velocity=speeds.get(name, 0.0),
             )
             drives.append(partial(joint._drive, motor))
         for drive in drives:
