@@ -264,6 +264,9 @@ void bind_simulation(nb::module_& module) {
       .def("material",
            [](const Simulation& s, std::size_t i) { return BodyMaterial(s.material(i)); })
       .def("set_material", &Simulation::set_material)
+      .def("gravity", [](const Simulation& s) { return to_coordinates(s.gravity()); })
+      .def("set_gravity",
+           [](Simulation& s, const Coordinates& gravity) { s.set_gravity(to_vec3(gravity)); })
       .def("set_collision", &Simulation::set_collision)
       .def("step_count", &Simulation::step_count)
       .def("save", &Simulation::save)

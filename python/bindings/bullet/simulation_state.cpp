@@ -51,6 +51,7 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 std::shared_ptr<const SimulationState> Simulation::save() {
   auto state = std::make_shared<SimulationState>();
   state->contacts = compute_contacts();
+  state->gravity = settings_.gravity;
   world_->renew_carried_contacts();
   for (const auto& [number, body] : bodies_) {
     const btRigidBody& rigid_body = body->rigid_body;
@@ -102,6 +103,7 @@ void Simulation::rebuild(const SimulationState& state) {
   for (const SimulationState::BodyState& saved : state.bodies) {
     Body& body = bodies_[saved.number];
     btRigidBody& rigid_body = body.rigid_body;
+  settings_.gravity = state.gravity;
     body.material = saved.material;
     set_material(saved.number, saved.material);
     rigid_body.setCenterOfMassTransform(saved.world_from_body);

@@ -54,7 +54,7 @@ ABSENT = {
         "save_video": (
             "record first: recorder = world.record(), and after the steps recorder.recording().save_video(path)"
         ),
-        "set_gravity": "pass gravity=... to voxshell.World()",
+        "set_gravity": "set World.gravity, as in world.gravity = (0, 0, -9.81)",
         "show": "did you mean view?",
         "simulate": "did you mean step?",
         "timestep": "did you mean time_step?",
@@ -79,7 +79,6 @@ READ_ONLY = {
     },
     "Model": {"tolerance": "pass tolerance=... to Model.from_mesh()"},
     "World": {
-        "gravity": "pass gravity=... to voxshell.World()",
         "time": "it counts the steps; restore_state() returns to an earlier time",
         "time_step": "pass time_step=... to voxshell.World()",
     },

@@ -51,7 +51,7 @@ PYBULLET = {
     "saveState": "call World.save_state()",
     "setCollisionFilterGroupMask": "set Body.group and Body.mask",
     "setCollisionFilterPair": "call World.set_collision(a, b, False)",
-    "setGravity": "pass gravity=... to voxshell.World()",
+    "setGravity": "pass gravity=... to voxshell.World(), or set World.gravity",
     "setJointMotorControl2": "call Robot.set_targets({name: position}), or set_target_velocity() of a joint",
     "setJointMotorControlArray": "call Robot.set_targets({name: position}) or set_target_velocities()",
     "setRealTimeSimulation": "call World.view(speed=1), and World.step() in a loop",
