@@ -51,6 +51,7 @@ from voxshell.errors import (
     RobotError,
     SettingsError,
     SimulationError,
+    StateError,
     VoxshellError,
 )
 from voxshell.model import (
@@ -175,6 +176,7 @@ __all__ = [
     "SimulationError",
     "SliderJoint",
     "Sphere",
+    "StateError",
     "Sweep",
     "SweepBatch",
     "UnitWarning",

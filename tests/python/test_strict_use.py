@@ -246,6 +246,7 @@ def test_errors_and_warnings(tmp_path: Path):
         vx.RobotError,
         vx.SettingsError,
         vx.SimulationError,
+        vx.StateError,
     ]
     assert all(issubclass(kind, vx.VoxshellError) for kind in kinds)
     with pytest.raises(vx.FileAccessError):

@@ -214,6 +214,8 @@ class Simulation {
   std::shared_ptr<const SimulationState> save();
   /// Bodies and joints must be those of the state.
   void restore(const SimulationState& state);
+  /// A state of another simulation with as many bodies and joints, in the same order, for this one.
+  std::shared_ptr<const SimulationState> adopt(const SimulationState& state) const;
 
  private:
   struct Body;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "bullet/simulation_parts.h"
+#include "bullet/state_rows.h"
 
 namespace voxshell::python {
 namespace {
@@ -50,8 +51,8 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 
 std::shared_ptr<const SimulationState> Simulation::save() {
   auto state = std::make_shared<SimulationState>();
-  state->contacts = compute_contacts();
   state->gravity = settings_.gravity;
+  state->contacts = compute_contacts();
   world_->renew_carried_contacts();
   for (const auto& [number, body] : bodies_) {
     const btRigidBody& rigid_body = body->rigid_body;
@@ -94,16 +95,20 @@ void Simulation::restore(const SimulationState& state) {
   step_count_ = state.step_count;
 }
 
+std::shared_ptr<const SimulationState> Simulation::adopt(const SimulationState& state) const {
+  return renumber(state, bodies_.numbers(), joints_.numbers());
+}
+
 /// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on the whole past. A new world has
 /// only what the state contains.
 void Simulation::rebuild(const SimulationState& state) {
   drop_world();
+  settings_.gravity = state.gravity;
   make_world();
   apart_ = state.apart;
   for (const SimulationState::BodyState& saved : state.bodies) {
     Body& body = bodies_[saved.number];
     btRigidBody& rigid_body = body.rigid_body;
-  settings_.gravity = state.gravity;
     body.material = saved.material;
     set_material(saved.number, saved.material);
     rigid_body.setCenterOfMassTransform(saved.world_from_body);

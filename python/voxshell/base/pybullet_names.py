@@ -48,6 +48,7 @@ PYBULLET = {
     "resetJointState": "call Robot.set_positions({name: position}), and then set_velocities({name: velocity})",
     "resetSimulation": "make another World()",
     "restoreState": "call World.restore_state(state)",
+    "saveBullet": "call World.save_state().save(path)",
     "saveState": "call World.save_state()",
     "setCollisionFilterGroupMask": "set Body.group and Body.mask",
     "setCollisionFilterPair": "call World.set_collision(a, b, False)",

@@ -53,7 +53,7 @@ class Joint(WorldPart):
             or motor.
     """
 
-    __slots__ = ("_child", "_collides", "_kind", "_number", "_parent")
+    __slots__ = ("_child", "_collides", "_frames", "_kind", "_number", "_parent")
 
     def __init__(
         self,
@@ -63,10 +63,12 @@ class Joint(WorldPart):
         kind: JointKind,
         parent: Body | None,
         child: Body,
+        frames: tuple[NDArray[np.float64], NDArray[np.float64]],
         collides: bool,
     ) -> None:
         super().__init__(simulation, name)
         self._collides = collides
+        self._frames = frames  # in parent and child
         self._number = number
         self._kind: JointKind = kind
         self._parent = parent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import weakref
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 
@@ -60,6 +60,12 @@ _SOLVERS = {
     "dantzig": _bullet.ConstraintSolver.DANTZIG,
     "projected_gauss_seidel": _bullet.ConstraintSolver.PROJECTED_GAUSS_SEIDEL,
 }
+_ARGUMENTS = {
+    "effort": "default of iterations",
+    "mode": "contact",
+    "two_friction_directions": "friction_directions",
+}
+"""Names of settings where those of the bindings are others."""
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
 
@@ -187,24 +193,29 @@ class World(WorldWithStates):
         self._view = None
         # Weak references: a recorder that nobody else refers to stops recording.
         self._recorders: list[weakref.ref[Recorder]] = []
-        simulation = _bullet.Simulation(
-            gravity=acceleration,
-            time_step=self.time_step,
-            sleeping=as_flag(sleeping, "sleeping"),
-            split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
-            solver=_SOLVERS[solver],
-            iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
-            effort=_bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
-            two_friction_directions=directions == 2,
-            mode=_CONTACT_MODES[contact],
-            shell=_SHELL_RULES[shell],
-            level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
-            margin=-1.0 if margin is None else as_not_negative(margin, "margin"),
-            ccd_motion_threshold=-1.0
+        settings: dict[str, Any] = {
+            "time_step": self.time_step,
+            "sleeping": as_flag(sleeping, "sleeping"),
+            "split_impulse_threshold": as_real(split_impulse_threshold, "split_impulse_threshold"),
+            "solver": _SOLVERS[solver],
+            "iterations": as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
+            "effort": _bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
+            "two_friction_directions": directions == 2,
+            "mode": _CONTACT_MODES[contact],
+            "shell": _SHELL_RULES[shell],
+            "level": 0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
+            "margin": -1.0 if margin is None else as_not_negative(margin, "margin"),
+            "ccd_motion_threshold": -1.0
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
-            threads=as_threads(threads),
+        }
+        simulation = _bullet.Simulation(
+            gravity=acceleration, threads=as_threads(threads), **settings
         )
+        self._settings = {
+            _ARGUMENTS.get(name, name): getattr(value, "name", value)
+            for name, value in settings.items()
+        }
         super().__init__(
             simulation,
             moves_surfaces=solver == "coulomb" and directions == 2,
