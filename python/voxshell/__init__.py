@@ -76,6 +76,7 @@ from voxshell.model import (
     Sphere,
 )
 from voxshell.query import (
+    Contact,
     ContactBatch,
     ContactBounds,
     Contacts,
@@ -130,6 +131,7 @@ __all__ = [
     "Capsule",
     "Compound",
     "Cone",
+    "Contact",
     "ContactBatch",
     "ContactBounds",
     "Contacts",

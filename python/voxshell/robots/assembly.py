@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -45,7 +46,9 @@ def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArra
     """
     world_from_file = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
     if not isinstance(world, World):
-        raise InputTypeError(f"world must be a World, not {type(world).__name__}")
+        is_path = isinstance(world, (str, os.PathLike))
+        hint = "; the world comes first, and then the path" if is_path else ""
+        raise InputTypeError(f"world must be a World, not {type(world).__name__}{hint}")
     World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_file, friction=friction)
     return world_from_file
 

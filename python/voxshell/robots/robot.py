@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from voxshell.base.arguments import show_apart, show_value
 from voxshell.base.calls import explain_calls
-from voxshell.base.near_names import suggest_on_set
+from voxshell.base.near_names import know_near_names, suggest_on_set
 from voxshell.base.notebook import make_table
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 
 @explain_calls
+@know_near_names
 @suggest_on_set
 class Robot:
     """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.

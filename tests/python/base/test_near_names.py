@@ -71,7 +71,7 @@ def test_a_property_that_cannot_be_set_says_what_to_do(things, owner: str, name:
     assert getattr(type(thing), name).__doc__
 
 
-@pytest.mark.parametrize("owner", ["Body", "Joint", "Model", "World", "Contacts"])
+@pytest.mark.parametrize("owner", ["Body", "Joint", "Model", "World", "Contacts", "Robot"])
 def test_other_names_are_refused_as_ever(things, owner: str):
     for use in (getattr, lambda thing, name: setattr(thing, name, 1)):
         with pytest.raises(AttributeError, match="no attribute 'colour'"):
