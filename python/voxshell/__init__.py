@@ -51,6 +51,7 @@ from voxshell.errors import (
     RobotError,
     SettingsError,
     SimulationError,
+    StateError,
     VoxshellError,
 )
 from voxshell.model import (
@@ -75,6 +76,7 @@ from voxshell.model import (
     Sphere,
 )
 from voxshell.query import (
+    Contact,
     ContactBatch,
     ContactBounds,
     Contacts,
@@ -129,6 +131,7 @@ __all__ = [
     "Capsule",
     "Compound",
     "Cone",
+    "Contact",
     "ContactBatch",
     "ContactBounds",
     "Contacts",
@@ -175,6 +178,7 @@ __all__ = [
     "SimulationError",
     "SliderJoint",
     "Sphere",
+    "StateError",
     "Sweep",
     "SweepBatch",
     "UnitWarning",

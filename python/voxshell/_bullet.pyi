@@ -1,6 +1,6 @@
 """Stock Bullet with voxshell's models. Use it through voxshell.World."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import enum
 from typing import Annotated
 
@@ -76,7 +76,7 @@ class MotorMode(enum.Enum):
     FOLLOW = 3
 
 class Motor:
-    def __init__(self, mode: MotorMode, target: float, max_force: float, max_speed: float, leader: int = -1, multiplier: float = 1.0) -> None: ...
+    def __init__(self, mode: MotorMode, target: float, max_force: float, max_speed: float, leader: int = -1, multiplier: float = 1.0, velocity: float = 0.0) -> None: ...
 
     @property
     def mode(self) -> MotorMode: ...
@@ -95,6 +95,9 @@ class Motor:
 
     @property
     def multiplier(self) -> float: ...
+
+    @property
+    def velocity(self) -> float: ...
 
 class JointReading:
     @property
@@ -196,7 +199,10 @@ class BodyMaterial:
     def mask(self, arg: int, /) -> None: ...
 
 class SimulationState:
-    pass
+    def to_rows(self) -> dict[str, NDArray[numpy.float64]]: ...
+
+    @staticmethod
+    def from_rows(arg: Mapping[str, Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)]], /) -> SimulationState: ...
 
 most_turn: float = 0.7853981633974483
 
@@ -228,6 +234,10 @@ class Simulation:
     def motor(self, arg: int, /) -> Motor: ...
 
     def set_motor(self, arg0: int, arg1: Motor, /) -> None: ...
+
+    def gravity(self) -> list[float]: ...
+
+    def set_gravity(self, arg: Sequence[float], /) -> None: ...
 
     def take_fast_spins(self) -> list[tuple[int, float]]: ...
 
@@ -280,6 +290,8 @@ class Simulation:
     def save(self) -> SimulationState: ...
 
     def restore(self, arg: SimulationState, /) -> None: ...
+
+    def adopt(self, arg: SimulationState, /) -> SimulationState: ...
 
     def is_asleep(self, arg: int, /) -> bool: ...
 

@@ -47,6 +47,10 @@ class RecordingError(VoxshellError, ValueError):
     """A recording is invalid, or it does not contain what was requested."""
 
 
+class StateError(VoxshellError, ValueError):
+    """A file is damaged, is not a world's state, or has a version that this package does not read."""
+
+
 class SimulationError(VoxshellError, RuntimeError):
     """A simulation has diverged: a body's pose or velocity is no longer a finite number."""
 

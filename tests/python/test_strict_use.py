@@ -100,6 +100,10 @@ def test_queries():
     assert found.shell in ("a", "b", "both")
     assert found.exact
     assert found.depth_bound < 0.0
+    first: vx.Contact = found[0]
+    depth: float = first.depth
+    assert depth == depths[0]
+    assert [contact.id for contact in found] == ids.tolist()
     oracle: vx.Contacts = vx.testing.contacts_flat(model, model, None, pose, level=2)
     assert len(oracle) >= len(found) > 4
     assert len(found.manifold(4)) == len(vx.manifold(model, model, None, pose)) == 4
@@ -246,6 +250,7 @@ def test_errors_and_warnings(tmp_path: Path):
         vx.RobotError,
         vx.SettingsError,
         vx.SimulationError,
+        vx.StateError,
     ]
     assert all(issubclass(kind, vx.VoxshellError) for kind in kinds)
     with pytest.raises(vx.FileAccessError):

@@ -50,17 +50,18 @@ void bind_joints(nb::module_& module) {
       .def(
           "__init__",
           [](Motor* self, MotorMode mode, double target, double max_force, double max_speed,
-             int leader, double multiplier) {
-            new (self) Motor{mode, target, max_force, max_speed, leader, multiplier};
+             int leader, double multiplier, double velocity) {
+            new (self) Motor{mode, target, max_force, max_speed, leader, multiplier, velocity};
           },
           nb::arg("mode"), nb::arg("target"), nb::arg("max_force"), nb::arg("max_speed"),
-          nb::arg("leader") = -1, nb::arg("multiplier") = 1.0)
+          nb::arg("leader") = -1, nb::arg("multiplier") = 1.0, nb::arg("velocity") = 0.0)
       .def_ro("mode", &Motor::mode)
       .def_ro("target", &Motor::target)
       .def_ro("max_force", &Motor::max_force)
       .def_ro("max_speed", &Motor::max_speed)
       .def_ro("leader", &Motor::leader)
-      .def_ro("multiplier", &Motor::multiplier);
+      .def_ro("multiplier", &Motor::multiplier)
+      .def_ro("velocity", &Motor::velocity);
 
   nb::class_<JointReading>(module, "JointReading")
       .def_ro("position", &JointReading::position)

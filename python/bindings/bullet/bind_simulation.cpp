@@ -1,13 +1,19 @@
 #include <array>
 #include <chrono>
+#include <map>
+#include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
@@ -16,6 +22,7 @@
 #include "bullet/conversions.h"
 #include "bullet/shared_simulation.h"
 #include "bullet/simulation_state.h"
+#include "bullet/state_rows.h"
 #include "in_ordinary_floats.h"
 #include "interpreter_lock.h"
 
@@ -99,6 +106,48 @@ std::optional<Vec3> to_place(const std::optional<Coordinates>& place) {
   return place ? std::optional(to_vec3(*place)) : std::nullopt;
 }
 
+using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Tables of a state by name, and the members that they are.
+constexpr std::array<std::pair<const char*, NumberTable StateRows::*>, 7> kTables{{
+    {"whole", &StateRows::whole},
+    {"bodies", &StateRows::bodies},
+    {"joints", &StateRows::joints},
+    {"apart", &StateRows::apart},
+    {"manifolds", &StateRows::manifolds},
+    {"points", &StateRows::points},
+    {"contacts", &StateRows::contacts},
+}};
+
+/// (n, k) arrays by name.
+std::map<std::string, nb::ndarray<nb::numpy, double>> read_rows(const SimulationState& state) {
+  StateRows rows = to_rows(state);
+  std::map<std::string, nb::ndarray<nb::numpy, double>> tables;
+  for (const auto& [name, member] : kTables) {
+    auto* owned = new NumberTable(std::move(rows.*member));
+    nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<NumberTable*>(p); });
+    const std::size_t count = owned->numbers.size() / owned->columns;
+    tables.emplace(name, nb::ndarray<nb::numpy, double>(owned->numbers.data(),
+                                                        {count, owned->columns}, owner));
+  }
+  return tables;
+}
+
+/// Raises a ValueError if the arrays are not those of any state.
+std::shared_ptr<const SimulationState> write_rows(const std::map<std::string, Table>& tables) {
+  StateRows rows;
+  for (const auto& [name, member] : kTables) {
+    const auto found = tables.find(name);
+    if (found == tables.end()) {
+      throw std::invalid_argument("it has no table '" + std::string(name) + "'");
+    }
+    const Table& table = found->second;
+    (rows.*member).columns = table.shape(1);
+    (rows.*member).numbers.assign(table.data(), table.data() + table.size());
+  }
+  return from_rows(rows);
+}
+
 }  // namespace
 
 void bind_simulation(nb::module_& module) {
@@ -144,7 +193,9 @@ void bind_simulation(nb::module_& module) {
       .def_rw("group", &BodyMaterial::group)
       .def_rw("mask", &BodyMaterial::mask);
 
-  [[maybe_unused]] const nb::class_<SimulationState> state(module, "SimulationState");
+  nb::class_<SimulationState>(module, "SimulationState")
+      .def("to_rows", &read_rows)
+      .def_static("from_rows", &write_rows);
 
   module.attr("most_turn") = Simulation::kMostTurn;
   module.attr("most_way") = Simulation::kMostWay;
@@ -213,6 +264,9 @@ void bind_simulation(nb::module_& module) {
            })
       .def("motor", [](const Simulation& s, std::size_t i) { return Motor(s.motor(i)); })
       .def("set_motor", &Simulation::set_motor)
+      .def("gravity", [](const Simulation& s) { return to_coordinates(s.gravity()); })
+      .def("set_gravity",
+           [](Simulation& s, const Coordinates& gravity) { s.set_gravity(to_vec3(gravity)); })
       .def("take_fast_spins", &Simulation::take_fast_spins)
       .def("take_long_ways", &Simulation::take_long_ways)
       .def("find_lost_body", &Simulation::find_lost_body)
@@ -268,6 +322,7 @@ void bind_simulation(nb::module_& module) {
       .def("step_count", &Simulation::step_count)
       .def("save", &Simulation::save)
       .def("restore", &Simulation::restore)
+      .def("adopt", &Simulation::adopt)
       .def("is_asleep", &Simulation::is_asleep)
       .def("wake", &Simulation::wake);
 }

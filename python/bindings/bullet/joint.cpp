@@ -299,7 +299,7 @@ void Joint::prepare_step(double time_step, const JointReading& leader) {
       velocity = motor.target;
       break;
     case MotorMode::kPosition:
-      velocity = toward(motor.target, 0.0);
+      velocity = toward(motor.target, motor.velocity);
       break;
     case MotorMode::kFollow:
       velocity = toward(motor.multiplier * leader.position + motor.target,

@@ -44,6 +44,7 @@ struct Motor {
   double max_speed = 0.0;
   int leader = -1;  ///< number of the joint to follow
   double multiplier = 1.0;
+  double velocity = 0.0;  ///< with which a target position moves on, m/s or rad/s
 };
 
 /// Position and velocity of a joint, along or about its axis; turns count.

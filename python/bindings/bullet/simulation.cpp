@@ -296,6 +296,14 @@ void Simulation::set_collision(std::size_t a, std::size_t b, bool collides) {
   update_pair(first, second);
 }
 
+void Simulation::set_gravity(const Vec3& gravity) {
+  if (to_bullet(gravity) == to_bullet(settings_.gravity)) return;
+  settings_.gravity = gravity;
+  // Bullet changes only bodies that are awake.
+  for (const auto& [number, body] : bodies_) body->rigid_body.activate();
+  world_->setGravity(to_bullet(gravity));
+}
+
 void Simulation::step() {
   restored_contacts_.reset();
   for (const auto& [number, joint] : joints_) {

@@ -141,6 +141,10 @@ class Simulation {
   const Motor& motor(std::size_t joint) const { return joints_[joint].motor; }
   void set_motor(std::size_t joint, const Motor& motor);
 
+  const Vec3& gravity() const { return settings_.gravity; }  ///< m/s2, world frame
+  /// A change wakes all bodies.
+  void set_gravity(const Vec3& gravity);
+
   void step();
   /// Number of steps since the start, or since the start of a restored state.
   std::uint64_t step_count() const { return step_count_; }
@@ -210,6 +214,8 @@ class Simulation {
   std::shared_ptr<const SimulationState> save();
   /// Bodies and joints must be those of the state.
   void restore(const SimulationState& state);
+  /// A state of another simulation with as many bodies and joints, in the same order, for this one.
+  std::shared_ptr<const SimulationState> adopt(const SimulationState& state) const;
 
  private:
   struct Body;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "bullet/simulation_parts.h"
+#include "bullet/state_rows.h"
 
 namespace voxshell::python {
 namespace {
@@ -50,6 +51,7 @@ bool is_whole(const SimulationState& state, const btPersistentManifold& manifold
 
 std::shared_ptr<const SimulationState> Simulation::save() {
   auto state = std::make_shared<SimulationState>();
+  state->gravity = settings_.gravity;
   state->contacts = compute_contacts();
   world_->renew_carried_contacts();
   for (const auto& [number, body] : bodies_) {
@@ -93,10 +95,15 @@ void Simulation::restore(const SimulationState& state) {
   step_count_ = state.step_count;
 }
 
+std::shared_ptr<const SimulationState> Simulation::adopt(const SimulationState& state) const {
+  return renumber(state, bodies_.numbers(), joints_.numbers());
+}
+
 /// Bullet's caches (bounds, pairs, algorithms, manifolds) depend on the whole past. A new world has
 /// only what the state contains.
 void Simulation::rebuild(const SimulationState& state) {
   drop_world();
+  settings_.gravity = state.gravity;
   make_world();
   apart_ = state.apart;
   for (const SimulationState::BodyState& saved : state.bodies) {

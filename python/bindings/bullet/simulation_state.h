@@ -37,6 +37,7 @@ struct SimulationState {
     std::vector<btManifoldPoint> points;
   };
 
+  Vec3 gravity;  ///< m/s2
   std::vector<BodyState> bodies;
   std::vector<JointState> joints;
   std::set<std::pair<int, int>> apart;

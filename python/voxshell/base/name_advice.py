@@ -7,6 +7,14 @@ from voxshell.base.pybullet_names import PYBULLET
 _COLORS = "pass colors={body: (255, 0, 0)} to World.view() or Recorder.recording()"
 _AXIS_ANGLE = "pass axis_angle=(axis, angle), with the angle in radians"
 _QUATERNION = "pass xyzw=... (real part last) or wxyz=... (real part first)"
+_JOINT_TORQUE = (
+    "call apply_torque() of its child, and of its parent with the opposite sign, or set_target_velocity() of a motor "
+    "with max_force"
+)
+_JOINT_TORQUES = (
+    "call apply_torque() on the two bodies of a joint, with opposite signs, or set_target_velocities() of motors with "
+    "max_force"
+)
 _FIXED = "World.add() fixes it; remove the body, and add another"
 
 ABSENT = {
@@ -26,8 +34,12 @@ ABSENT = {
         "points": "did you mean points_a or points_b?",
     },
     "Joint": {
+        "apply_torque": _JOINT_TORQUE,
         "limits": "its kind has them: joint.kind.limits",
+        "set_position": "call set_positions({name: position}) of a robot, or place its bodies",
         "set_target": "call set_target_position() or set_target_velocity()",
+        "set_torque": _JOINT_TORQUE,
+        "set_velocity": "call set_velocities({name: velocity}) of a robot, or set those of its bodies",
         "torque": "did you mean reaction?",
     },
     "Model": {
@@ -36,6 +48,23 @@ ABSENT = {
         "show": "call trimesh.Trimesh(*model.mesh).show(), or add it to a World and call World.view()",
         "view": "add it to a World, and call World.view()",
         "volume": "take that of its mesh: trimesh.Trimesh(*model.mesh).volume",
+    },
+    "Robot": {
+        "apply_torque": _JOINT_TORQUES,
+        "joint_positions": "did you mean positions?",
+        "joint_velocities": "did you mean velocities?",
+        "mass": "sum those of its bodies: sum(body.mass for body in robot.bodies)",
+        "move_to": "call set_targets({name: position})",
+        "pose": "take that of a link: robot.links[name].pose",
+        "qpos": "did you mean positions?",
+        "qvel": "did you mean velocities?",
+        "reset": "call set_positions({name: position}) and set_velocities({name: velocity})",
+        "set_joint_positions": "call set_positions() to put joints there, or set_targets() to drive them there",
+        "set_joint_velocities": "call set_velocities() to set them at once, or set_target_velocities() for motors",
+        "set_target_positions": "did you mean set_targets?",
+        "set_target_velocity": "did you mean set_target_velocities?",
+        "set_forces": _JOINT_TORQUES,
+        "set_torques": _JOINT_TORQUES,
     },
     "World": PYBULLET
     | {
@@ -54,7 +83,7 @@ ABSENT = {
         "save_video": (
             "record first: recorder = world.record(), and after the steps recorder.recording().save_video(path)"
         ),
-        "set_gravity": "pass gravity=... to voxshell.World()",
+        "set_gravity": "set World.gravity, as in world.gravity = (0, 0, -9.81)",
         "show": "did you mean view?",
         "simulate": "did you mean step?",
         "timestep": "did you mean time_step?",
@@ -64,6 +93,7 @@ ABSENT = {
 
 OF_PACKAGE = PYBULLET | {
     "closest_points": "call voxshell.distance(a, b), or World.query_contacts(a, b, margin=distance)",
+    "contact": "did you mean contacts?",
     "load": "call voxshell.Model.load(path) or voxshell.Recording.load(path)",
     "load_mesh": "call voxshell.Model.from_mesh(path)",
     "load_model": "call voxshell.Model.load(path)",
@@ -79,7 +109,6 @@ READ_ONLY = {
     },
     "Model": {"tolerance": "pass tolerance=... to Model.from_mesh()"},
     "World": {
-        "gravity": "pass gravity=... to voxshell.World()",
         "time": "it counts the steps; restore_state() returns to an earlier time",
         "time_step": "pass time_step=... to voxshell.World()",
     },
@@ -118,7 +147,13 @@ UNNAMED = {
 """What to do about too many arguments without names."""
 
 MISSING = {
+    "load_mjcf": "the world comes first, as in load_mjcf(world, path)",
+    "load_urdf": "the world comes first, as in load_urdf(world, path)",
     "Mesh": "a Mesh holds the arrays of model.mesh; for a model of a file, call Model.from_mesh(path)",
+    "wrench": (
+        "stiffness is the pressure per depth in newtons per cubic meter: the force, divided by the area in contact and "
+        "the depth; stiffness=1e8 presses with 10 N where 1 cm2 is 1 mm deep"
+    ),
 }
 """What to do about arguments that are missing in a call."""
 

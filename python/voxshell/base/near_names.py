@@ -150,7 +150,7 @@ def advise_on_name(name: str, known: Collection[str]) -> str:
         >>> advise_on_name("loadURDF", ["World", "load_mjcf", "load_urdf"])
         'did you mean load_urdf?'
         >>> advise_on_name("setGravity", ["World"])
-        'pass gravity=... to voxshell.World()'
+        'pass gravity=... to voxshell.World(), or set World.gravity'
         >>> advise_on_name("__path__", ["World"])
         ''
     """

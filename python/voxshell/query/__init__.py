@@ -2,7 +2,7 @@
 
 from voxshell.query.batch import ContactBatch, collide_batch, contacts_batch
 from voxshell.query.bounds import ContactBounds, contact_bounds
-from voxshell.query.contact_set import Contacts
+from voxshell.query.contact_set import Contact, Contacts
 from voxshell.query.distances import Distance, distance, distance_batch
 from voxshell.query.queries import collide, contacts, deepest_per_segment, manifold
 from voxshell.query.scratch import QueryScratch
@@ -10,6 +10,7 @@ from voxshell.query.sweeps import Sweep, SweepBatch, interpolate_pose, sweep, sw
 from voxshell.query.wrenches import Wrench, wrench
 
 __all__ = [
+    "Contact",
     "ContactBatch",
     "ContactBounds",
     "Contacts",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NoReturn
 
 import numpy as np
@@ -14,6 +16,8 @@ from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from voxshell._core import ContactSet
@@ -34,12 +38,37 @@ def name_shells(shells: NDArray[np.uint8]) -> NDArray[np.str_]:
     return names
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Contact:
+    """One contact of two bodies a and b, in the world frame; an item of :class:`Contacts`.
+
+    Attributes:
+        point_a: Contact point on the surface of a, (3,) float64, meters.
+        point_b: Contact point on the surface of b, (3,) float64, meters.
+        normal: Unit normal, (3,) float64: from b toward a.
+        depth: Penetration depth, meters; positive inside.
+        id: Id of the contact's shell element; see :attr:`Contacts.ids`.
+        segment: Cluster of the element at the query's level; 0 without a level.
+        shell: The body whose shell the id belongs to: "a" or "b".
+    """
+
+    point_a: NDArray[np.float64]
+    point_b: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    depth: float
+    id: int
+    segment: int
+    shell: Literal["a", "b"]
+
+
 @know_near_names
 class Contacts:
     """The contacts of two bodies a and b, as parallel arrays; from :func:`voxshell.contacts`.
 
     Each contact is a point of one body's shell that is inside the other body, or nearer to it than
     the margin. The arrays are in the world frame, read-only, and stay valid without this object.
+    Contacts can be counted, indexed and iterated over, one :class:`Contact` at a time; for many of
+    them, arrays are faster.
 
     Example:
         >>> import trimesh
@@ -48,6 +77,8 @@ class Contacts:
         >>> contacts = vx.contacts(ball, vx.Plane(offset=-0.099))
         >>> contacts
         Contacts(5 of a's points, deepest 0.001 m)
+        >>> len(contacts), round(max(contact.depth for contact in contacts), 6), contacts[0].normal
+        (5, 0.001, array([0., 0., 1.]))
     """
 
     __slots__ = ("_core",)
@@ -57,6 +88,39 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self._core)
+
+    def __getitem__(self, index: int) -> Contact:
+        """Return a contact; negative indices count from the end.
+
+        Raises:
+            IndexError: There is no such contact.
+            InputTypeError: The index is not an integer; the arrays have slices and masks.
+        """
+        try:
+            place = operator.index(index)
+        except TypeError:
+            raise InputTypeError(
+                f"contacts are indexed by integers, not {type(index).__name__}: take slices and masks of the arrays, "
+                "as in contacts.points_b[contacts.depths > 0.001]"
+            ) from None
+        if not -len(self) <= place < len(self):
+            raise IndexError(f"contact {place} of {len(self)}")
+        return next(self._iterate(slice(place, place + 1 or None)))
+
+    def __iter__(self) -> Iterator[Contact]:
+        return self._iterate(slice(None))
+
+    def _iterate(self, which: slice) -> Iterator[Contact]:
+        columns = (
+            self.points_a[which],
+            self.points_b[which],
+            self.normals[which],
+            self.depths[which].tolist(),
+            self.ids[which].tolist(),
+            self.segments[which].tolist(),
+            self.shells[which].tolist(),
+        )
+        return (Contact(*row) for row in zip(*columns, strict=True))
 
     @property
     def points_a(self) -> NDArray[np.float64]:

@@ -29,6 +29,16 @@ SHELLS = {
     "b": _core.Shells.B,
     "both": _core.Shells.BOTH,
 }
+_HINTS = {
+    "Body": (
+        "; pass its shape and its pose, as in {name}=body.shape and {name}_pose=body.pose, or ask its world: "
+        "World.query_contacts() and World.overlaps() take bodies"
+    ),
+    "Compound": "; pass its parts one by one, or add it to a World and call World.query_contacts()",
+    "Link": "; pass the shape and the pose of its body, which is link.body",
+    "Robot": "; pass the shape and the pose of one of its bodies, which robot.bodies lists",
+}
+"""What to pass instead of what only a world has, by its type, which cannot be imported here."""
 _OF_BOTH = ("auto", "both")  # choices that may use the shell of an analytic shape, too
 _MOST = 2**63 - 1
 _SINGLE_MAX = float(np.finfo(np.float32).max)
@@ -47,7 +57,7 @@ def parts(body: Collidable, name: str) -> tuple[_core.Field, _core.Model | None]
     elif hasattr(body, "vertices") and hasattr(body, "faces"):  # trimesh's and ours
         hint = "; build a model of the mesh: Model.from_mesh(mesh)"
     else:
-        hint = ""
+        hint = _HINTS.get(kind, "").format(name=name)
     raise InputTypeError(f"{name} must be a {', '.join(others)} or {last}, not {kind}{hint}")
 
 

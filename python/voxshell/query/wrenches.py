@@ -9,6 +9,7 @@ import numpy as np
 
 from voxshell import _core
 from voxshell.base.arguments import as_not_negative
+from voxshell.base.calls import explain_calls
 from voxshell.base.pose_forms import as_pose, mend_poses
 from voxshell.errors import PoseError
 from voxshell.query.pairs import Collidable, Shell, as_pair, as_scratch
@@ -32,6 +33,7 @@ class Wrench:
     torque: NDArray[np.float64]
 
 
+@explain_calls
 def wrench(
     a: Collidable,
     b: Collidable,
@@ -55,7 +57,8 @@ def wrench(
         b: Likewise. At least one of the two must be a model.
         a_pose: ``world_from_a`` in any form that :func:`pose` lists. None: the identity.
         b_pose: ``world_from_b``, likewise.
-        stiffness: Pressure per depth, newtons per cubic meter, at least 0.
+        stiffness: Pressure per depth, newtons per cubic meter, at least 0: the force, divided by the area
+            in contact and the depth. 1e8 presses with 10 N where 1 cm2 is 1 mm deep.
         shell: As for :func:`contacts`. For both shells the result is the mean, so that area counts
             once.
         scratch: Speeds up a series of queries; see :class:`QueryScratch`.
@@ -68,7 +71,8 @@ def wrench(
         PoseError: A pose is in no form that :func:`pose` lists, is not rigid, or is not finite.
         SettingsError: Neither body is a model, or ``shell`` names one that is not; ``stiffness`` is
             negative or not finite.
-        InputTypeError: ``a`` or ``b`` is not a body, or ``scratch`` is not a :class:`QueryScratch`.
+        InputTypeError: ``a`` or ``b`` is not a body, ``stiffness`` is missing, or ``scratch`` is not a
+            :class:`QueryScratch`.
 
     Example:
         A cube of 1 m, 1 mm deep in the ground, on springs of 1e6 N/m3:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,8 @@ from voxshell.errors import InputTypeError, PoseError, RobotError, SettingsError
 from voxshell.model.shapes import Sphere
 from voxshell.robots.description import MIMIC_EFFORT
 from voxshell.robots.kinematics import find_child, move_along
-from voxshell.robots.robot import Link, Robot
+from voxshell.robots.link import Link
+from voxshell.robots.robot import Robot
 from voxshell.simulation.joint_kinds import HingeJoint, PointJoint, SliderJoint
 from voxshell.simulation.material import Material
 from voxshell.simulation.world import World
@@ -44,7 +46,9 @@ def check_place(world: World, pose: ArrayLike | None, friction: float) -> NDArra
     """
     world_from_file = np.eye(4) if pose is None else as_rigid_pose(pose, "pose")
     if not isinstance(world, World):
-        raise InputTypeError(f"world must be a World, not {type(world).__name__}")
+        is_path = isinstance(world, (str, os.PathLike))
+        hint = "; the world comes first, and then the path" if is_path else ""
+        raise InputTypeError(f"world must be a World, not {type(world).__name__}{hint}")
     World().add(Sphere(_MARKER_RADIUS), mass=0.0, pose=world_from_file, friction=friction)
     return world_from_file
 

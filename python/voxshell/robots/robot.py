@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from voxshell.base.arguments import show_apart
+from voxshell.base.arguments import show_apart, show_value
 from voxshell.base.calls import explain_calls
-from voxshell.base.near_names import suggest_on_set
+from voxshell.base.near_names import know_near_names, suggest_on_set
 from voxshell.base.notebook import make_table
 from voxshell.base.poses import invert
 from voxshell.errors import SettingsError
-from voxshell.robots.kinematics import find_child
+from voxshell.robots.kinematics import find_child, find_twists
+from voxshell.robots.link import Link, find_twist
 from voxshell.robots.named_parts import NamedParts
 from voxshell.robots.starts import (
     HELD_WITHIN,
     as_positions,
     clamp,
     complete_positions,
+    complete_velocities,
     follow,
     refuse_beyond,
 )
@@ -29,42 +30,14 @@ from voxshell.simulation.joint_kinds import HingeJoint
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from voxshell.robots.description import JointDescription
     from voxshell.simulation.body import Body
     from voxshell.simulation.joints import Joint
     from voxshell.simulation.world import World
 
 
-@dataclass(frozen=True, eq=False)
-class Link:
-    """A link of a robot. Links that fixed joints hold together are one body.
-
-    Attributes:
-        name: As in the file.
-        body: The body that it is part of; None if it is fixed to the world and has no surface.
-        body_from_link: (4, 4) float64; without a body, ``world_from_link``.
-        color: Red, green and blue, 0 to 255, of its first visual; None if the file states none.
-    """
-
-    name: str
-    body: Body | None
-    body_from_link: NDArray[np.float64]
-    color: tuple[int, int, int] | None
-
-    def __repr__(self) -> str:
-        place = "fixed to the world" if self.body is None else f"part of {self.body!r}"
-        return f"Link({self.name!r}, {place})"
-
-    @property
-    def pose(self) -> NDArray[np.float64]:
-        """``world_from_link``, (4, 4) float64."""
-        return self.body_from_link if self.body is None else self.body.pose @ self.body_from_link
-
-
 @explain_calls
+@know_near_names
 @suggest_on_set
 class Robot:
     """A robot in a world; made by :func:`load_urdf` or :func:`load_mjcf`.
@@ -133,7 +106,11 @@ class Robot:
 
     @property
     def velocities(self) -> Mapping[str, float]:
-        """Present velocities of all moving joints, by name: rad/s or m/s; read-only."""
+        """Present velocities of all moving joints, by name: rad/s or m/s; read-only.
+
+        :meth:`set_target_velocities` drives joints at velocities, and :meth:`set_velocities` gives them
+        velocities at once.
+        """
         return MappingProxyType({name: joint.velocity for name, joint in self.joints.items()})
 
     def set_positions(self, positions: Mapping[str, float]) -> None:
@@ -200,14 +177,69 @@ class Robot:
             if isinstance(self.joints[name].kind, HingeJoint):
                 self.joints[name]._count_turns_from(position)
 
+    def set_velocities(self, velocities: Mapping[str, float]) -> None:
+        """Give joints velocities at once, as for a new episode that begins in motion.
+
+        Other joints keep their velocities, except that joints which mimic one of these move along with
+        it. The root keeps its own motion, so a root that is not fixed needs no velocity here. Motors
+        keep their targets: without a motor or with one that has the same target velocity, a joint moves on.
+        Call :meth:`set_positions` first, because it brings the robot to rest.
+
+        Args:
+            velocities: Rad/s or m/s, by the names of joints.
+
+        Raises:
+            InputTypeError: ``velocities`` does not map names to numbers.
+            SettingsError: There is no such joint.
+
+        Example:
+            >>> import pathlib, tempfile
+            >>> import voxshell as vx
+            >>> text = '''
+            ... <robot name="mast">
+            ...   <link name="foot"/>
+            ...   <link name="arm"><inertial><origin xyz="0.5 0 0"/><mass value="1"/>
+            ...     <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+            ...   <joint name="turn" type="continuous">
+            ...     <parent link="foot"/><child link="arm"/><axis xyz="0 0 1"/>
+            ...   </joint>
+            ... </robot>'''
+            >>> with tempfile.TemporaryDirectory() as folder:
+            ...     path = pathlib.Path(folder, "mast.urdf")
+            ...     _ = path.write_text(text)
+            ...     robot = vx.load_urdf(vx.World(), path)
+            >>> robot.set_positions({"turn": 0.0})
+            >>> robot.set_velocities({"turn": 2.0})
+            >>> robot.velocities["turn"], robot.links["arm"].body.linear_velocity.round(9) + 0.0
+            (2.0, array([0., 1., 0.]))
+        """
+        owner = f"joints of robot {self.name!r}"
+        described = self._described.values()
+        given = as_positions(velocities, "velocities")
+        found = complete_velocities(described, given, self.positions, owner)
+        poses = {name: link.pose for name, link in self.links.items()}
+        twists = {name: find_twist(link) for name, link in self.links.items()}
+        moved: set[Body] = set()
+        for name, twist in find_twists(described, found, poses, twists).items():
+            body = self.links[name].body
+            if body is None or body in moved or body.motion != "dynamic":
+                continue
+            moved.add(body)
+            body.angular_velocity = twist.angular
+            body.linear_velocity = twist.linear_at(body.center_of_mass)
+
     def set_targets(
         self,
         positions: Mapping[str, float],
         *,
         max_force: float | None = None,
         max_speed: float | None = None,
+        velocities: Mapping[str, float] | None = None,
     ) -> None:
         """Drive joints to positions and hold them there; other joints keep their targets.
+
+        To follow a motion without lag, set the present positions of the motion and its velocities
+        before each step; see :meth:`Joint.set_target_position`.
 
         Any positions that the robot had are valid, so ``robot.set_targets(robot.positions)`` holds it
         where it is: a joint that was pressed against its limit, and reads up to 0.001 more, is driven to
@@ -219,12 +251,14 @@ class Robot:
             max_force: Newton meters or newtons; by default each joint's effort in the file.
             max_speed: Rad/s or m/s; by default each joint's velocity in the file, or no limit
                 without one.
+            velocities: Velocities of the targets, rad/s or m/s, by the names of joints that
+                ``positions`` names, too; 0 for the others. Joints that mimic others need none.
 
         Raises:
-            InputTypeError: ``positions`` does not map names to numbers.
+            InputTypeError: ``positions`` or ``velocities`` does not map names to numbers.
             SettingsError: There is no such joint, the position is beyond its limits, it mimics another
                 joint and would have another position, or neither the file nor ``max_force`` states its
-                effort.
+                effort. Or ``velocities`` names a joint without a position.
 
         Example:
             >>> import pathlib, tempfile
@@ -253,6 +287,13 @@ class Robot:
             0.5
         """
         targets = as_positions(positions)
+        speeds = {} if velocities is None else as_positions(velocities, "velocities")
+        for name in speeds:
+            if name not in targets:
+                raise SettingsError(
+                    f"velocities names {show_value(name)}, but positions does not: pass both, or call "
+                    "set_target_velocities()"
+                )
         drives: list[Callable[[], None]] = []
         for name, target in targets.items():
             joint = self._find(name)
@@ -267,6 +308,7 @@ class Robot:
                 held,
                 max_force=self._force(name, max_force),
                 max_speed=self._speed(name, max_speed),
+                velocity=speeds.get(name, 0.0),
             )
             drives.append(partial(joint._drive, motor))
         for drive in drives:

@@ -1,4 +1,4 @@
-"""Positions that joints are put at: those that a loader or a robot is given, within their limits."""
+"""Positions and velocities that joints are given, by a loader or by a user of a robot."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from voxshell.base.arguments import as_real, show_apart, show_value
 from voxshell.errors import InputTypeError, SettingsError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from voxshell.robots.description import JointDescription, RobotDescription
 
@@ -85,18 +85,69 @@ def complete_positions(
     Raises:
         SettingsError: There is no such joint, or the position is beyond the joint's limits.
     """
-    moving = {joint.name: joint for joint in joints if joint.type in _UNITS}
-    unknown = [name for name in positions if name not in moving]
-    if unknown:
-        raise SettingsError(
-            f"positions names {', '.join(map(show_value, unknown))}, but the {owner} that turn "
-            f"or slide are {', '.join(map(show_value, moving))}"
-            if moving
-            else f"positions names {', '.join(map(show_value, unknown))}, but none of the {owner} turns or slides"
-        )
+    moving = _find_moving(joints, positions, "positions", owner)
     for name, position in positions.items():
         _check_limits(moving[name], position)
-    found = dict(positions)
+    return _complete(moving, positions, follow)
+
+
+def complete_velocities(
+    joints: Iterable[JointDescription],
+    velocities: Mapping[str, float],
+    positions: Mapping[str, float],
+    owner: str,
+) -> dict[str, float]:
+    """Return velocities, and those of the joints that mimic these, by name.
+
+    Args:
+        joints: All joints.
+        velocities: Rad/s or m/s, by the names of joints.
+        positions: Present positions of all joints that turn or slide, radians or meters. A joint that
+            mimics another one from beyond its own limits stays there.
+        owner: What the joints are of, for error messages: "joints of arm.urdf".
+
+    Raises:
+        SettingsError: There is no such joint.
+    """
+
+    def follow_velocity(joint: JointDescription, found: Mapping[str, float]) -> float:
+        assert joint.mimic is not None
+        leader, multiplier, offset = joint.mimic
+        wanted = multiplier * positions[leader] + offset
+        is_free = abs(wanted - clamp(wanted, joint.limits)) <= HELD_WITHIN
+        return multiplier * found[leader] if is_free else 0.0
+
+    moving = _find_moving(joints, velocities, "velocities", owner)
+    return _complete(moving, velocities, follow_velocity)
+
+
+def _find_moving(
+    joints: Iterable[JointDescription], given: Iterable[str], what: str, owner: str
+) -> dict[str, JointDescription]:
+    """Return the joints that turn or slide, by name; refuse the names of others.
+
+    Raises:
+        SettingsError: There is no such joint.
+    """
+    moving = {joint.name: joint for joint in joints if joint.type in _UNITS}
+    unknown = [name for name in given if name not in moving]
+    if unknown:
+        raise SettingsError(
+            f"{what} names {', '.join(map(show_value, unknown))}, but the {owner} that turn "
+            f"or slide are {', '.join(map(show_value, moving))}"
+            if moving
+            else f"{what} names {', '.join(map(show_value, unknown))}, but none of the {owner} turns or slides"
+        )
+    return moving
+
+
+def _complete(
+    moving: Mapping[str, JointDescription],
+    given: Mapping[str, float],
+    find: Callable[[JointDescription, Mapping[str, float]], float],
+) -> dict[str, float]:
+    """Return what is given, and what is found for the joints that mimic these, by name."""
+    found = dict(given)
     for joint in moving.values():
         followers, leader = [], joint
         while leader.name not in found and leader.mimic is not None:
@@ -104,7 +155,7 @@ def complete_positions(
             leader = moving[leader.mimic[0]]
         if leader.name in found:
             for follower in reversed(followers):
-                found[follower.name] = follow(follower, found)
+                found[follower.name] = find(follower, found)
     return found
 
 

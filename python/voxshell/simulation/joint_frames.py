@@ -71,8 +71,8 @@ class JointFrames:
 
 def make_settings(
     kind: JointKind, parent: Body | None, child: Body, frames: JointFrames, collide: bool
-) -> _bullet.JointSettings:
-    """Return a joint as the bindings take it.
+) -> tuple[_bullet.JointSettings, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Return a joint as the bindings take it, and its frames in parent and child; the axis is x.
 
     Raises:
         InputTypeError: ``kind`` is not a joint.
@@ -98,7 +98,7 @@ def make_settings(
         if kind.limits is not None:
             lower, upper = (float(limit) for limit in kind.limits)
     _doubt_start(kind, parent, child, parent_from_joint, child_from_joint)
-    return _bullet.JointSettings(
+    settings = _bullet.JointSettings(
         kind=kind._kind,
         parent=-1 if parent is None else parent.number,
         child=child.number,
@@ -113,6 +113,7 @@ def make_settings(
         armature=armature,
         collides=collide,
     )
+    return settings, (parent_from_joint, child_from_joint)
 
 
 def _pose_of(parent: Body | None) -> NDArray[np.float64]:

@@ -53,7 +53,7 @@ class Joint(WorldPart):
             or motor.
     """
 
-    __slots__ = ("_child", "_collides", "_kind", "_number", "_parent")
+    __slots__ = ("_child", "_collides", "_frames", "_kind", "_number", "_parent")
 
     def __init__(
         self,
@@ -63,10 +63,12 @@ class Joint(WorldPart):
         kind: JointKind,
         parent: Body | None,
         child: Body,
+        frames: tuple[NDArray[np.float64], NDArray[np.float64]],
         collides: bool,
     ) -> None:
         super().__init__(simulation, name)
         self._collides = collides
+        self._frames = frames  # in parent and child
         self._number = number
         self._kind: JointKind = kind
         self._parent = parent
@@ -126,17 +128,28 @@ class Joint(WorldPart):
         self._drive(self._make_velocity_motor(velocity, max_force=max_force))
 
     def set_target_position(
-        self, position: float, *, max_force: float, max_speed: float = math.inf
+        self,
+        position: float,
+        *,
+        max_force: float,
+        max_speed: float = math.inf,
+        velocity: float = 0.0,
     ) -> None:
-        """Drive the joint to a position and hold it there.
+        """Drive the joint to a position and hold it there, or along a motion.
 
-        Each step closes a fifth of the distance, at most at ``max_speed``.
+        Each step closes a fifth of the distance, at most at ``max_speed``. A joint therefore lags
+        behind a target that moves, by five steps, unless you pass its velocity, too: before each
+        step, set where the target is now, and how fast it moves. If its velocity changes, pass that
+        of the middle of the step.
 
         Args:
             position: Radians over any number of turns, or meters; within the limits. Rounding of
                 1e-9 beyond a limit means the limit.
             max_force: Newton meters or newtons, above 0.
-            max_speed: Rad/s or m/s, above 0.
+            max_speed: Rad/s or m/s, above 0; the largest speed that the motor asks for, with
+                ``velocity``.
+            velocity: Velocity of the target, rad/s or m/s. It stays set: a target that stands still
+                needs 0.
 
         Raises:
             SettingsError: A number is out of range, or the joint has no axis.
@@ -150,8 +163,20 @@ class Joint(WorldPart):
             >>> world.step(200)
             >>> round(hinge.position, 3)
             0.5
+
+            A turn of 1 rad/s:
+
+            >>> def turn(world):
+            ...     target = 0.5 + (world.time - 1.0)
+            ...     hinge.set_target_position(target, max_force=20.0, velocity=1.0)
+            >>> world.step(200, before=turn)
+            >>> round(hinge.position, 3)
+            1.5
         """
-        self._drive(self._make_position_motor(position, max_force=max_force, max_speed=max_speed))
+        motor = self._make_position_motor(
+            position, max_force=max_force, max_speed=max_speed, velocity=velocity
+        )
+        self._drive(motor)
 
     def follow(
         self,
@@ -229,7 +254,7 @@ class Joint(WorldPart):
         )
 
     def _make_position_motor(
-        self, position: float, *, max_force: float, max_speed: float
+        self, position: float, *, max_force: float, max_speed: float, velocity: float
     ) -> _bullet.Motor:
         """Return the motor of :meth:`set_target_position`, and change nothing."""
         target = as_real(position, "position")
@@ -249,6 +274,7 @@ class Joint(WorldPart):
             target,
             as_positive(max_force, "max_force"),
             _as_speed(max_speed),
+            velocity=as_real(velocity, "velocity"),
         )
 
     def _drive(self, motor: _bullet.Motor) -> None:

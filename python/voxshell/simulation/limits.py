@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voxshell import _bullet
-from voxshell.base.arguments import show_value
+from voxshell.base.arguments import as_vector, show_value
 from voxshell.base.user_warnings import UnitWarning, warn_user
 from voxshell.errors import SettingsError, SimulationError
 from voxshell.model.accuracy import AccuracyWarning
@@ -62,6 +62,15 @@ def check_extent(low_and_high: ArrayLike, label: str) -> None:
         )
 
 
+def as_gravity(gravity: ArrayLike) -> tuple[float, float, float]:
+    """Return a gravity as three numbers, m/s2.
+
+    Raises:
+        SettingsError: It is not three finite numbers.
+    """
+    return as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
+
+
 def doubt_gravity(gravity: ArrayLike) -> None:
     """Warn of a gravity that is probably in millimeters."""
     strength = float(np.linalg.norm(gravity))
@@ -79,7 +88,7 @@ def check_time_step(time_step: float, gravity: ArrayLike) -> None:
     Raises:
         SettingsError: Bullet would not move the bodies.
     """
-    way = float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
+    way = _find_way(time_step, gravity)
     is_too_far = not way <= _bullet.most_way
     if time_step > _LONGEST_STEP:
         advice = f"use a shorter time_step: for {time_step:g} steps a second, pass time_step=1/{time_step:g}"
@@ -98,11 +107,26 @@ def check_time_step(time_step: float, gravity: ArrayLike) -> None:
             "free motion; use a shorter one, such as 1/200, the default",
             AccuracyWarning,
         )
-    if is_too_far:
+    check_gravity(time_step, gravity)
+
+
+def check_gravity(time_step: float, gravity: ArrayLike) -> None:
+    """Refuse a gravity that moves bodies too far in a step.
+
+    Raises:
+        SettingsError: Bullet would not move the bodies.
+    """
+    way = _find_way(time_step, gravity)
+    if not way <= _bullet.most_way:
         raise SettingsError(
             f"gravity moves bodies by {way:.3g} m in the first step of {time_step:g} s; Bullet can follow "
             f"at most {_bullet.most_way:g} m; use a shorter time_step or weaker gravity"
         )
+
+
+def _find_way(time_step: float, gravity: ArrayLike) -> float:
+    """Return how far gravity moves a body that begins at rest in a step, meters."""
+    return float(np.linalg.norm(gravity)) * time_step * time_step  # ** raises OverflowError
 
 
 def check_motions(simulation: _bullet.Simulation, bodies: Iterable[Body], advice: str) -> None:

@@ -80,12 +80,10 @@ class Pulls:
     """All pulls of a world, one for each hand that drags; threads may share it.
 
     Args:
-        gravity: (3,) m/s2, world frame.
         time_step: Seconds.
     """
 
-    def __init__(self, gravity: NDArray[np.float64], time_step: float) -> None:
-        self._gravity = max(float(np.linalg.norm(gravity)), _WITHOUT_GRAVITY)
+    def __init__(self, time_step: float) -> None:
         self._time_step = time_step
         self._lock = threading.Lock()
         self._held: dict[Hashable, Pull] = {}
@@ -105,11 +103,12 @@ class Pulls:
             diameter: The body's diameter, meters.
         """
         pose = body.pose
+        gravity = max(float(np.linalg.norm(body._simulation.gravity())), _WITHOUT_GRAVITY)
         pull = Pull(
             body,
             np.array(point_body, np.float64),
             pose[:3, :3] @ point_body + pose[:3, 3],
-            min(math.sqrt(self._gravity / (_SAG * diameter)), _MOST_TURN_A_STEP / self._time_step),
+            min(math.sqrt(gravity / (_SAG * diameter)), _MOST_TURN_A_STEP / self._time_step),
             diameter,
         )
         with self._lock:

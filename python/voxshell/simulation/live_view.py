@@ -13,6 +13,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_flag, as_not_negative, as_positive
 from voxshell.base.near_names import suggest_on_set
+from voxshell.simulation.body_properties import read_only
 from voxshell.simulation.live_frame import take_frame
 from voxshell.simulation.live_pull import Pulls
 
@@ -93,7 +94,6 @@ class LiveView:
         "_due",
         "_frame",
         "_gate",
-        "_gravity",
         "_has_unseen",
         "_last_step",
         "_news",
@@ -117,7 +117,6 @@ class LiveView:
         simulation: _bullet.Simulation,
         bodies: list[Body],
         *,
-        gravity: NDArray[np.float64],
         time_step: float,
         frames_per_second: float = 30.0,
         speed: float | None = None,
@@ -126,12 +125,12 @@ class LiveView:
     ) -> None:
         # Do not store the world: it refers to its view, and the cycle would delay freeing memory.
         self._simulation, self._bodies = simulation, bodies
-        self._gravity, self._time_step = gravity, time_step
+        self._time_step = time_step
         self._pause_between = 1.0 / as_positive(frames_per_second, "frames_per_second")
         self._speed = None if speed is None else as_positive(speed, "speed")
         usual = 0.0 if speed is None else FIRST_PAGE
         self._wait = usual if wait is None else as_not_negative(wait, "wait")
-        self._pulls = Pulls(gravity, time_step)
+        self._pulls = Pulls(time_step)
         self._page: Page | None = None
         self._pages = 0
         self._shown = 0
@@ -206,8 +205,8 @@ class LiveView:
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """The world's gravity, (3,) m/s2, world frame, read-only."""
-        return self._gravity
+        """The world's present gravity, (3,) m/s2, world frame, read-only."""
+        return read_only(np.array(self._simulation.gravity()))
 
     @property
     def pulls(self) -> Pulls:
@@ -325,7 +324,7 @@ class LiveView:
         return tuple(body for body in self._bodies if not body.removed)
 
     def _take(self) -> LiveFrame | None:
-        return take_frame(self._simulation, self._bodies, self._gravity, self._time_step)
+        return take_frame(self._simulation, self._bodies, self.gravity, self._time_step)
 
     def _send(self) -> None:
         """Show the states in a separate thread, which reads the world itself if no step is made."""

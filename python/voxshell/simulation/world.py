@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import weakref
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from voxshell.base.arguments import (
     as_positive,
     as_real,
     as_threads,
-    as_vector,
     check_callable,
     is_infinite,
 )
@@ -25,11 +24,17 @@ from voxshell.base.calls import check_takes, explain_calls
 from voxshell.base.near_names import know_near_names
 from voxshell.base.notebook import make_table
 from voxshell.errors import InputTypeError, SettingsError
+from voxshell.simulation.body_properties import read_only
 from voxshell.simulation.forks import Using
-from voxshell.simulation.limits import check_motions, check_time_step, doubt_gravity
+from voxshell.simulation.limits import (
+    as_gravity,
+    check_gravity,
+    check_motions,
+    check_time_step,
+    doubt_gravity,
+)
 from voxshell.simulation.recorder import Recorder
-from voxshell.simulation.state import WorldState, check_same
-from voxshell.simulation.world_view import ViewedWorld
+from voxshell.simulation.world_states import WorldWithStates
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -55,13 +60,19 @@ _SOLVERS = {
     "dantzig": _bullet.ConstraintSolver.DANTZIG,
     "projected_gauss_seidel": _bullet.ConstraintSolver.PROJECTED_GAUSS_SEIDEL,
 }
+_ARGUMENTS = {
+    "effort": "default of iterations",
+    "mode": "contact",
+    "two_friction_directions": "friction_directions",
+}
+"""Names of settings where those of the bindings are others."""
 _MOST_LEVELS = 12
 _MOST_ITERATIONS = 1_000_000
 
 
 @explain_calls
 @know_near_names
-class World(ViewedWorld):
+class World(WorldWithStates):
     """A world of stock Bullet (double precision) in which models collide.
 
     Freely rotating bodies keep their angular momentum and energy.
@@ -172,36 +183,39 @@ class World(ViewedWorld):
             )
         directions = as_integer(friction_directions, "friction_directions", 1, 2)
         self._time_step = as_positive(time_step, "time_step")
-        acceleration = as_vector(gravity, "gravity", " in m/s2, such as (0, 0, -9.81)")
+        acceleration = as_gravity(gravity)
         check_time_step(self.time_step, acceleration)
         doubt_gravity(acceleration)
         as_needed = iterations is None and solver == "coulomb"
         if iterations is None:
             iterations = 10 if as_needed else self._fixed_iterations()
-        self._gravity = np.array(acceleration)
-        self._gravity.setflags(write=False)
         self._advice = "" if solver == "coulomb" else ", or the solver 'coulomb'"
         self._view = None
         # Weak references: a recorder that nobody else refers to stops recording.
         self._recorders: list[weakref.ref[Recorder]] = []
-        simulation = _bullet.Simulation(
-            gravity=acceleration,
-            time_step=self.time_step,
-            sleeping=as_flag(sleeping, "sleeping"),
-            split_impulse_threshold=as_real(split_impulse_threshold, "split_impulse_threshold"),
-            solver=_SOLVERS[solver],
-            iterations=as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
-            effort=_bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
-            two_friction_directions=directions == 2,
-            mode=_CONTACT_MODES[contact],
-            shell=_SHELL_RULES[shell],
-            level=0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
-            margin=-1.0 if margin is None else as_not_negative(margin, "margin"),
-            ccd_motion_threshold=-1.0
+        settings: dict[str, Any] = {
+            "time_step": self.time_step,
+            "sleeping": as_flag(sleeping, "sleeping"),
+            "split_impulse_threshold": as_real(split_impulse_threshold, "split_impulse_threshold"),
+            "solver": _SOLVERS[solver],
+            "iterations": as_integer(iterations, "iterations", 1, _MOST_ITERATIONS),
+            "effort": _bullet.SolverEffort.AS_NEEDED if as_needed else _bullet.SolverEffort.FIXED,
+            "two_friction_directions": directions == 2,
+            "mode": _CONTACT_MODES[contact],
+            "shell": _SHELL_RULES[shell],
+            "level": 0 if level is None else as_integer(level, "level", 1, _MOST_LEVELS),
+            "margin": -1.0 if margin is None else as_not_negative(margin, "margin"),
+            "ccd_motion_threshold": -1.0
             if ccd_motion_threshold is None
             else _as_reach(ccd_motion_threshold),
-            threads=as_threads(threads),
+        }
+        simulation = _bullet.Simulation(
+            gravity=acceleration, threads=as_threads(threads), **settings
         )
+        self._settings = {
+            _ARGUMENTS.get(name, name): getattr(value, "name", value)
+            for name, value in settings.items()
+        }
         super().__init__(
             simulation,
             moves_surfaces=solver == "coulomb" and directions == 2,
@@ -281,14 +295,37 @@ class World(ViewedWorld):
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """The acceleration of free bodies, (3,) float64, m/s2, world frame, read-only.
+        """The acceleration of free bodies, (3,) float64, m/s2, world frame, read-only; settable.
+
+        A change acts from the next step on, and wakes all bodies. :meth:`restore_state` returns to the
+        gravity of the state.
+
+        Raises:
+            SettingsError: The new gravity is not three finite numbers, or would move bodies by more
+                than 1e5 m in the first step.
+
+        Warns:
+            UnitWarning: The new gravity is above 1000 m/s2, as in mm/s2.
 
         Example:
             >>> import voxshell as vx
-            >>> vx.World().gravity
+            >>> world = vx.World()
+            >>> world.gravity
             array([ 0.  ,  0.  , -9.81])
+            >>> ball = world.add(vx.Sphere(0.1))
+            >>> world.gravity = (0, 0, 0)
+            >>> world.step(100)
+            >>> ball.position
+            array([0., 0., 0.])
         """
-        return self._gravity
+        return read_only(np.array(self._simulation.gravity()))
+
+    @gravity.setter
+    def gravity(self, value: ArrayLike) -> None:
+        acceleration = as_gravity(value)
+        check_gravity(self.time_step, acceleration)
+        doubt_gravity(acceleration)
+        self._simulation.set_gravity(acceleration)
 
     def __reduce__(self) -> NoReturn:
         raise InputTypeError(
@@ -317,50 +354,6 @@ class World(ViewedWorld):
                 "gravity": f"({x:.4g}, {y:.4g}, {z:.4g}) m/s2",
             },
         )
-
-    def save_state(self) -> WorldState:
-        """Save everything that moves, for :meth:`restore_state`.
-
-        The state contains poses, velocities, pending forces and sleep; contacts with their cached
-        impulses; motors, and how many turns hinges have made; friction, restitution, damping,
-        groups and pairs that do not collide. It does not contain bodies and joints themselves: they
-        must be the same at :meth:`restore_state`.
-
-        After both calls, the same steps give the same bits, because both calls rebuild Bullet's
-        caches (its tree of bounds, pairs, contact points) from the state alone. A run in which a
-        state was saved therefore differs by rounding errors from a run without: resting bodies lose
-        cached data about their contacts.
-
-        Returns:
-            The state; it fits only this world.
-
-        Example:
-            >>> import voxshell as vx
-            >>> world = vx.World()
-            >>> ground = world.add(vx.Plane(), mass=0)
-            >>> ball = world.add(vx.Sphere(0.1))
-            >>> state = world.save_state()
-            >>> world.step(100)
-            >>> first = ball.pose
-            >>> world.restore_state(state)
-            >>> world.step(100)
-            >>> bool((ball.pose == first).all())
-            True
-        """
-        return WorldState(self._simulation, self.bodies, self.joints)
-
-    def restore_state(self, state: WorldState) -> None:
-        """Return to a state of :meth:`save_state`; this can be repeated.
-
-        Recorders and timings continue; they do not go back.
-
-        Raises:
-            InputTypeError: ``state`` is not a state.
-            SettingsError: It belongs to another world, or bodies or joints were added or removed
-                since.
-        """
-        check_same(self._simulation, self.bodies, self.joints, state)
-        self._simulation.restore(state._state)
 
     def record(self, *, every: int = 1) -> Recorder:
         """Start to record poses and contacts, now and after every ``every`` steps.

@@ -354,10 +354,17 @@ class WorldContents:
             as_text(name, "name")
         frames = JointFrames(parent_from_joint, child_from_joint, world_from_joint)
         collides = as_flag(collide, "collide")
-        settings = make_settings(joint, parent, child, frames, collides)
+        settings, resolved = make_settings(joint, parent, child, frames, collides)
         number = self._simulation.add_joint(settings)
         made = Joint(
-            self._simulation, number, name or f"joint {number}", joint, parent, child, collides
+            self._simulation,
+            number,
+            name or f"joint {number}",
+            joint,
+            parent,
+            child,
+            resolved,
+            collides,
         )
         self._joints.append(made)
         return made

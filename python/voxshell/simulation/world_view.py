@@ -14,19 +14,15 @@ from voxshell.simulation.world_queries import WorldQueries
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from voxshell.simulation.body import Body
 
 
 class ViewedWorld(WorldQueries):
     """A world with a live view."""
 
-    __slots__ = ("_gravity", "_time_step", "_view")
+    __slots__ = ("_time_step", "_view")
 
     _time_step: float
-    _gravity: NDArray[np.float64]
     _view: LiveView | None
 
     @property
@@ -104,7 +100,6 @@ class ViewedWorld(WorldQueries):
         view = LiveView(
             self._simulation,
             self._bodies,
-            gravity=self._gravity,
             time_step=self.time_step,
             frames_per_second=frames_per_second,
             speed=speed,

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
+import list_reference
 import pytest
 import voxshell as vx
 from voxshell.scenes.body_settings import BodySettings
@@ -22,6 +23,43 @@ def test_every_public_name_is_in_the_python_reference():
     named = Counter(re.findall(r"^\.\. auto\w+:: voxshell\.(\w+)$", text, re.M))
     assert set(vx.__all__) == set(dir(vx))
     assert named == Counter(vx.__all__)
+
+
+def test_the_tables_of_the_python_reference_are_those_of_the_present_names():
+    page = list_reference.PAGE.read_text(encoding="utf-8")
+    assert list_reference.complete(page) == page, (
+        "the tables of docs/api/python.md are out of date: run "
+        "`.venv/bin/python tools/list_reference.py --write` and commit the page"
+    )
+
+
+def test_every_public_name_has_a_summary_in_the_python_reference():
+    page = list_reference.PAGE.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([\w.]+)` \| (.*?) \| (.*?) \|$", page, re.M)
+    named = Counter(name for name, _, _ in rows if "." not in name)
+    assert named == Counter(vx.__all__)
+    for name, summary, members in rows:
+        assert summary.endswith("."), name
+        assert ":`" not in summary + members, name
+    members = {name: members for name, _, members in rows}
+    assert "`set_velocities()`" in members["Robot"]
+    assert "`gravity`" in members["World"]
+    assert "`load_mjcf`" not in members["World"]  # an absent name, with a hint
+    assert members["wrench"].startswith("`a`, `b`, `a_pose`")
+
+
+def test_tables_are_renewed(monkeypatch, tmp_path, capsys):
+    block = "```{eval-rst}\n.. autofunction:: voxshell.pose\n```\n"
+    page = tmp_path / "python.md"
+    page.write_text(f"# Python\n\n{block}")
+    monkeypatch.setattr(list_reference, "PAGE", page)
+    assert list_reference.main(["--write"]) == 0
+    text = page.read_text()
+    assert "| `pose` | Make a pose from" in text
+    assert text.endswith(f"<!-- end of names -->\n\n{block}")
+    assert list_reference.main([]) == 0
+    assert capsys.readouterr().out == text
+    assert list_reference.main(["--renew"]) == 2
 
 
 @pytest.mark.parametrize(

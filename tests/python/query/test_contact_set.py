@@ -59,6 +59,39 @@ def test_no_contacts_are_empty_arrays(ball: vx.Model):
     assert repr(contacts) == "Contacts(0 of a's points)"
 
 
+def test_contacts_are_a_sequence_of_single_ones(contacts: vx.Contacts):
+    listed = list(contacts)
+    assert len(listed) == len(contacts) > 100
+    for index in (0, 7, np.int64(3), -1, -len(contacts)):
+        for contact in (contacts[index], listed[index]):
+            for one, name in (
+                ("point_a", "points_a"),
+                ("point_b", "points_b"),
+                ("normal", "normals"),
+            ):
+                np.testing.assert_array_equal(getattr(contact, one), getattr(contacts, name)[index])
+            assert contact.depth == contacts.depths[index]
+            assert contact.id == contacts.ids[index]
+            assert contact.segment == contacts.segments[index]
+            assert contact.shell == contacts.shells[index] == "a"
+            assert [type(it) for it in (contact.depth, contact.id, contact.shell)] == [
+                float,
+                int,
+                str,
+            ]
+    assert max(contacts, key=lambda contact: contact.depth).depth == contacts.depths.max()
+
+
+def test_wrong_indices_of_contacts_are_refused(contacts: vx.Contacts, ball: vx.Model):
+    for index in (len(contacts), -len(contacts) - 1):
+        with pytest.raises(IndexError, match=f"contact {index} of {len(contacts)}"):
+            contacts[index]
+    for wrong in (slice(2), contacts.depths > 0, "depths", 1.0):
+        with pytest.raises(vx.InputTypeError, match=r"take slices and masks of the arrays"):
+            contacts[wrong]  # pyright: ignore[reportArgumentType]
+    assert list(vx.contacts(ball, vx.Plane(offset=-9.0))) == []
+
+
 def test_it_says_what_it_holds(contacts: vx.Contacts):
     assert repr(contacts).startswith(f"Contacts({len(contacts)} of a's points, deepest 0.0")
 

@@ -64,3 +64,16 @@ def test_a_scratch_is_a_scratch():
     assert pairs.as_scratch(vx.QueryScratch()) is not None
     with pytest.raises(vx.InputTypeError, match=r"^scratch must be a QueryScratch, not dict$"):
         pairs.as_scratch({})
+
+
+def test_what_only_a_world_has_is_told_with_what_to_pass_instead(ball):
+    world = vx.World()
+    body = world.add(vx.Sphere(0.1))
+    compound = vx.Compound([(vx.Sphere(0.1), (0, 0, 0))])
+    for query in (vx.distance, vx.contacts, vx.collide):
+        with pytest.raises(vx.InputTypeError, match=r"not Body; pass .* a=body\.shape and a_pose="):
+            query(body, ball)
+        with pytest.raises(vx.InputTypeError, match=r"not Body; pass .* b=body\.shape and b_pose="):
+            query(ball, body)
+        with pytest.raises(vx.InputTypeError, match="not Compound; pass its parts one by one"):
+            query(ball, compound)

@@ -128,3 +128,8 @@ def test_poses_are_the_identity_by_default(ball: vx.Model, cube: vx.Model):
     default = vx.wrench(ball, cube, stiffness=STIFFNESS)
     given = vx.wrench(ball, cube, np.eye(4), np.eye(4), stiffness=STIFFNESS)
     assert default.force.tolist() == given.force.tolist()
+
+
+def test_a_missing_stiffness_is_explained(ball):
+    with pytest.raises(vx.InputTypeError, match=r"wrench\(\) needs stiffness: .* N where 1 cm2 is"):
+        vx.wrench(ball, vx.Plane())  # pyright: ignore[reportCallIssue]

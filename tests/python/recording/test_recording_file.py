@@ -145,7 +145,7 @@ def test_pickles_are_not_read(tmp_path: Path):
 def test_an_archive_that_grows_beyond_the_limit_is_refused_before_it_is_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("voxshell.recording.recording_file._MOST_BYTES", 1_000_000)
+    monkeypatch.setattr("voxshell.base.array_file._MOST_BYTES", 1_000_000)
     with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("header.npy", bytes(2_000_000))
     with pytest.raises(

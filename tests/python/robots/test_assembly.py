@@ -98,7 +98,10 @@ def test_arguments_are_checked_before_the_file():
     for form in (turned, (0, 0, 1, 0, 0, 1, 0), ((0, 0, 1), (0, 0, 1, 0))):
         assert check_place(world, form, 0.5).tolist() == turned.tolist()
     assert check_place(world, (0, 0, 1), 0.5).tolist() == vx.pose((0, 0, 1)).tolist()
-    with pytest.raises(vx.InputTypeError, match="world must be a World, not str"):
+    with pytest.raises(
+        vx.InputTypeError,
+        match="world must be a World, not str; the world comes first, and then the path",
+    ):
         check_place("world", None, 0.5)
     with pytest.raises(vx.PoseError):
         check_place(world, np.zeros((4, 4)), 0.5)
@@ -131,3 +134,16 @@ def test_targets_must_have_names():
         robot.set_targets([0.5, 0.1])
     with pytest.raises(vx.InputTypeError, match="velocities must map the names of joints to num"):
         robot.set_target_velocities(3)
+
+
+def test_a_missing_world_is_explained(tmp_path):
+    for load in (vx.load_urdf, vx.load_mjcf):
+        name = load.__name__
+        with pytest.raises(
+            vx.InputTypeError, match=f"needs path: the world comes first, as in {name}"
+        ):
+            load(tmp_path / "a.xml")
+        with pytest.raises(
+            vx.InputTypeError, match=r"not .*Path; the world comes first, and then the"
+        ):
+            load(tmp_path / "a.xml", vx.World())

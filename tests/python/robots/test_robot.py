@@ -232,3 +232,140 @@ def test_wrong_positions_are_refused_before_any_is_set(robot, positions, message
     assert {name: link.pose.tolist() for name, link in robot.links.items()} == before
     with pytest.raises(vx.InputTypeError, match="positions must map the names of joints"):
         robot.set_positions([0.1])
+
+
+def test_targets_that_move_are_followed_without_lag(world, robot):
+    speeds = {"turn": 1.0, "lift": 0.1}
+    errors = []
+
+    def before(world):
+        now = {name: speed * world.time for name, speed in speeds.items()}
+        robot.set_targets(now, velocities=speeds)
+
+    def after(world):
+        errors.extend(speeds[name] * world.time - robot.positions[name] for name in speeds)
+
+    world.step(200, before=before)
+    world.step(200, after, before=before)
+    assert np.abs(errors).max() < 1e-6
+
+
+def test_velocities_of_targets_need_positions(robot):
+    with pytest.raises(vx.SettingsError, match="velocities names 'lift', but positions does not"):
+        robot.set_targets({"turn": 0.1}, velocities={"lift": 0.1})
+    with pytest.raises(vx.InputTypeError, match="velocities must map the names of joints"):
+        robot.set_targets({"turn": 0.1}, velocities=[0.1])
+
+
+CHAIN = f"""<robot name="chain"><link name="base">{INERTIAL}</link>
+<link name="one">{INERTIAL.replace("<mass", '<origin xyz="0.2 0.1 0"/><mass')}</link>
+<link name="two">{INERTIAL}</link><link name="plate"/>
+<link name="three">{INERTIAL.replace("<mass", '<origin xyz="0 0.3 0.1"/><mass')}</link>
+<link name="four">{INERTIAL}</link><link name="five">{INERTIAL}</link>
+<joint name="a" type="revolute"><parent link="base"/><child link="one"/>
+  <origin xyz="0.1 0.2 0.3" rpy="0.3 0.2 0.1"/><axis xyz="1 2 3"/>
+  <limit lower="-3" upper="3" effort="50" velocity="9"/></joint>
+<joint name="b" type="prismatic"><parent link="one"/><child link="two"/>
+  <origin xyz="0.5 0 0.1" rpy="0 1 0"/><axis xyz="0 1 1"/>
+  <limit lower="-1" upper="1" effort="50" velocity="9"/></joint>
+<joint name="rigid" type="fixed"><parent link="two"/><child link="plate"/>
+  <origin xyz="0 0 0.4" rpy="1 0 0"/></joint>
+<joint name="c" type="continuous"><parent link="plate"/><child link="three"/>
+  <origin xyz="0.1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="d" type="prismatic"><parent link="three"/><child link="four"/>
+  <origin xyz="0 0.2 0"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="50" velocity="9"/>
+  <mimic joint="b" multiplier="-2" offset="0.1"/></joint>
+<joint name="e" type="revolute"><parent link="four"/><child link="five"/>
+  <origin xyz="0.3 0 0"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="50" velocity="9"/></joint>
+</robot>"""
+POSITIONS = {"a": 0.7, "b": 0.2, "c": -1.3, "e": 0.4}
+VELOCITIES = {"a": 1.5, "b": -0.3, "c": 2.0, "e": -0.7}
+
+
+@pytest.fixture
+def chain(world: vx.World, tmp_path: Path) -> vx.Robot:
+    path = tmp_path / "chain.urdf"
+    path.write_text(CHAIN)
+    return vx.load_urdf(world, path, fixed_base=False)
+
+
+def test_velocities_that_joints_are_given_move_links_as_positions_do(world, chain):
+    chain.set_positions(POSITIONS)
+    chain.set_velocities(VELOCITIES)
+    given = VELOCITIES | {"d": 0.6}
+    assert dict(chain.velocities) == pytest.approx(given, abs=1e-12)
+    found = {
+        body: (body.velocity_at(body.position), body.angular_velocity) for body in chain.bodies
+    }
+    h = 1e-6
+    poses = []
+    for sign in (-1, 1):
+        chain.set_positions(
+            {name: POSITIONS[name] + sign * h * VELOCITIES[name] for name in POSITIONS}
+        )
+        poses.append({body: body.pose for body in chain.bodies})
+    for body, (linear, angular) in found.items():
+        before, after = poses[0][body], poses[1][body]
+        np.testing.assert_allclose((after - before)[:3, 3] / (2 * h), linear, atol=1e-8)
+        turn = after[:3, :3] @ before[:3, :3].T
+        spin = np.array((turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]))
+        np.testing.assert_allclose(spin / (4 * h), angular, atol=1e-8)
+    assert np.abs(found[chain.links["five"].body][0]).max() > 1.0
+
+
+def test_a_root_in_motion_takes_its_links_along(world, chain):
+    chain.set_positions(POSITIONS)
+    base = chain.links["base"].body
+    base.linear_velocity, base.angular_velocity = (1.0, 2.0, 3.0), (0.1, 0.2, 0.3)
+    chain.set_velocities(dict.fromkeys(POSITIONS, 0.0))
+    for body in chain.bodies:
+        np.testing.assert_allclose(
+            body.linear_velocity, base.velocity_at(body.center_of_mass), atol=1e-12
+        )
+        np.testing.assert_allclose(body.angular_velocity, base.angular_velocity, atol=1e-12)
+
+
+def test_joints_that_are_not_named_keep_their_velocities(world, chain):
+    chain.set_positions(POSITIONS)
+    chain.set_velocities(VELOCITIES)
+    upper = [chain.links[name].body.linear_velocity for name in ("base", "one", "two")]
+    chain.set_velocities({"c": -4.0})
+    assert dict(chain.velocities) == pytest.approx(VELOCITIES | {"c": -4.0, "d": 0.6}, abs=1e-12)
+    for name, before in zip(("base", "one", "two"), upper, strict=True):
+        np.testing.assert_array_equal(chain.links[name].body.linear_velocity, before)
+
+
+def test_joints_move_on_with_the_velocities_that_they_are_given(world, chain):
+    chain.set_positions(POSITIONS)
+    chain.set_velocities(VELOCITIES)
+    momentum = sum(body.mass * body.linear_velocity for body in chain.bodies)
+    world.step()
+    assert dict(chain.velocities) == pytest.approx(VELOCITIES | {"d": 0.6}, abs=0.02)
+    after = sum(body.mass * body.linear_velocity for body in chain.bodies)
+    np.testing.assert_allclose(after, momentum, atol=1e-6)
+
+
+def test_a_joint_held_at_its_limit_by_the_one_that_it_mimics_gets_no_velocity(world, robot):
+    robot.set_positions({"lift": 0.3})
+    assert robot.positions["grip"] == pytest.approx(0.1)
+    robot.set_velocities({"lift": 0.2})
+    assert robot.velocities["grip"] == pytest.approx(0.1)  # 0.1 m is where the leader puts it
+    robot.set_positions({"lift": 0.0})
+    robot.set_velocities({"turn": 1.0})
+    assert robot.velocities["turn"] == pytest.approx(1.0)
+    assert robot.velocities["lift"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("velocities", "message"),
+    [
+        ({"trun": 1.0}, r"velocities names 'trun', but the joints of robot 'tester' that turn or"),
+        ({"mount": 1.0}, "velocities names 'mount'"),
+        ({"turn": math.inf}, r"velocities\['turn'\] must be finite"),
+        ([1.0], "velocities must map the names of joints to numbers"),
+    ],
+)
+def test_wrong_velocities_are_refused_before_any_is_set(robot, velocities, message):
+    with pytest.raises((vx.SettingsError, vx.InputTypeError), match=message):
+        robot.set_velocities(velocities)
+    assert set(robot.velocities.values()) == {0.0}

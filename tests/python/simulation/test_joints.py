@@ -480,3 +480,53 @@ def test_fingers_of_a_hand_move_alike(count):
     angles = np.array([[joint.position for joint in joints] for joints in fingers])
     assert np.abs(angles - angles[0]).max() < 1e-5
     assert angles[0, 0] == pytest.approx(-0.08, abs=0.005)
+
+
+def follow_motion(joint, world, motion, velocity):
+    """Largest error after the first second, rad or m, of a joint that follows a motion for two."""
+    errors = []
+
+    def before(world):
+        middle = world.time + world.time_step / 2
+        joint.set_target_position(motion(world.time), max_force=1e4, velocity=velocity(middle))
+
+    rate = round(1 / world.time_step)
+    world.step(rate, before=before)
+    world.step(
+        rate, lambda world: errors.append(motion(world.time) - joint.position), before=before
+    )
+    return np.abs(errors).max()
+
+
+@pytest.mark.parametrize("rate", [1000, 200, 60])
+@pytest.mark.parametrize(("kind", "size"), [(vx.HingeJoint, 1.0), (vx.SliderJoint, 0.1)])
+def test_targets_that_move_are_followed_without_lag(kind, size, rate):
+    def make():
+        world = vx.World(time_step=1 / rate, gravity=(0, 0, 0))
+        body = world.add(vx.Box((0.1, 0.1, 0.1)))
+        return world.add_joint(kind(axis=(0, 0, 1)), None, body), world
+
+    def ramp(t):
+        return size * t
+
+    def wave(t):
+        return size * math.sin(2 * math.pi * t)
+
+    def speed(t):
+        return 2 * math.pi * size * math.cos(2 * math.pi * t)
+
+    lag = follow_motion(*make(), ramp, lambda t: 0.0)
+    assert lag == pytest.approx(5 * size / rate, rel=1e-3)
+    assert follow_motion(*make(), ramp, lambda t: size) < 1e-9
+    assert follow_motion(*make(), wave, lambda t: 0.0) > 4 * 2 * math.pi * size / rate
+    assert follow_motion(*make(), wave, speed) < 1e-3 * 2 * math.pi * size * (60 / rate) ** 2
+
+
+def test_the_speed_limit_holds_for_the_velocity_of_a_target(bar):
+    world = vx.World(gravity=(0, 0, 0))
+    joint = world.add_joint(vx.HingeJoint(axis=(0, 0, 1)), None, world.add(bar))
+    joint.set_target_position(1.0, max_force=1e4, max_speed=2.0, velocity=10.0)
+    world.step(10)
+    assert joint.velocity == pytest.approx(2.0, rel=1e-6)
+    with pytest.raises(vx.SettingsError, match="velocity must be finite"):
+        joint.set_target_position(1.0, max_force=1e4, velocity=math.inf)

@@ -67,7 +67,7 @@ def test_a_body_hangs_on_the_spring_a_fiftieth_of_its_diameter_below_the_pointer
 def test_a_far_pointer_pulls_no_harder_than_one_a_diameter_away():
     world = vx.World(gravity=(0, 0, 0))
     ball = world.add(vx.Sphere(0.1), mass=2.0)
-    pulls = Pulls(np.zeros(3), world.time_step)
+    pulls = Pulls(world.time_step)
     pulls.grab("hand", ball, np.zeros(3), 0.2)
     forces = []
     for distance in (0.1, 0.2, 5.0):
@@ -115,7 +115,7 @@ def test_the_effective_mass_is_what_a_push_meets_on_average():
 
 def test_a_hand_holds_one_body_and_a_hand_that_holds_nothing_moves_nothing():
     world, bodies = make_world()
-    pulls = Pulls(np.array((0, 0, -9.81)), world.time_step)
+    pulls = Pulls(world.time_step)
     pulls.move("hand", np.ones(3))
     pulls.release("hand")
     assert len(pulls) == 0

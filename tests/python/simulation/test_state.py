@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -148,6 +152,84 @@ def test_same_steps_give_the_same_bits(kind, steps_before, ring, brick):
         assert run(world, before, 200) == first
 
 
+@pytest.mark.parametrize("kind", WORLDS)
+@pytest.mark.parametrize("steps_before", [0, 90])
+def test_another_world_with_an_equal_scene_continues_with_the_same_bits(
+    kind, steps_before, ring, brick, tmp_path
+):
+    first, before = WORLDS[kind](ring, brick)
+    first.step(steps_before, before=before)
+    state = first.save_state()
+    path = state.save(tmp_path / "state.npz")
+    contacts = first.contacts()
+    expected = run(first, before, 100)
+    for saved in (state, vx.WorldState.load(path)):
+        other, push = WORLDS[kind](ring, brick)
+        other.step(7, before=push)  # it has a past of its own
+        other.restore_state(saved)
+        assert other.time == steps_before / 200
+        assert other.contacts().tobytes() == contacts.tobytes()
+        assert run(other, push, 100) == expected
+
+
+def digest(trace):
+    return hashlib.sha256(b"".join(trace)).hexdigest()
+
+
+@pytest.mark.parametrize("kind", ["heap", "stack", "machine"])
+def test_another_process_continues_with_the_same_bits(kind, ring, brick, tmp_path):
+    first, before = WORLDS[kind](ring, brick)
+    first.step(120, before=before)
+    first.save_state().save(tmp_path / "state.npz")
+    ring.save(tmp_path / "ring.vxs")
+    brick.save(tmp_path / "brick.vxs")
+    expected = digest(run(first, before, 100))
+    program = f"""
+import sys
+sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}
+import voxshell as vx
+from test_state import WORLDS, digest, run
+ring, brick = (vx.Model.load(f"{{name}}.vxs") for name in ("ring", "brick"))
+world, before = WORLDS[{kind!r}](ring, brick)
+world.restore_state(vx.WorldState.load("state.npz"))
+print(digest(run(world, before, 100)))
+"""
+    child = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert child.stdout.strip() == expected
+
+
+def test_a_scene_is_equal_although_bodies_were_removed_from_its_world(ring):
+    def make(extra):
+        world = vx.World()
+        aside = world.add(vx.Sphere(0.1), pose=(9, 0, 0)) if extra else None
+        ground = world.add(vx.Plane(), mass=0, name="ground")
+        body = world.add(ring, pose=(0, 0, 0.3), name="ring")
+        ball = world.add(vx.Sphere(0.05), pose=(0, 0, 0.6), name="ball")
+        joint = world.add_joint(vx.HingeJoint(), ring_or(world, ground), ball, name="hinge")
+        follower = world.add(vx.Sphere(0.05), pose=(1, 0, 0.6), name="follower")
+        second = world.add_joint(vx.HingeJoint(), None, follower, name="second")
+        second.follow(joint, max_force=5.0)
+        world.set_collision(body, ball, False)
+        if aside is not None:
+            world.set_collision(aside, body, False)
+            world.remove(aside)
+        return world
+
+    def ring_or(world, ground):
+        return ground
+
+    first, second = make(True), make(False)
+    first.step(60)
+    state = first.save_state()
+    expected = [it.pose.tobytes() for _ in range(50) for it in (first.step(), *first.bodies)[1:]]
+    second.restore_state(state)
+    found = [it.pose.tobytes() for _ in range(50) for it in (second.step(), *second.bodies)[1:]]
+    assert found == expected
+    assert [body.number for body in first.bodies] != [body.number for body in second.bodies]
+
+
 def test_of_which_some_slept_and_some_were_in_contact(ring, brick):
     world, _ = heap(ring, brick)
     world.step(500)
@@ -246,6 +328,54 @@ def test_states_are_for_their_world_and_its_bodies(ring):
     world.remove(body)
     with pytest.raises(vx.SettingsError, match=r"bodies have changed .* 1 removed \('ring'\)"):
         world.restore_state(state)
+
+
+def make_scene(
+    ring, *, time_step=0.005, mass=1.0, name="ring", radius=0.1, limits=None, extra=False
+):
+    world = vx.World(time_step)
+    world.add(vx.Plane(), mass=0)
+    body = world.add(ring, mass=mass, name=name, pose=(0, 0, 1))
+    world.add(vx.Sphere(radius), pose=(1, 0, 1))
+    world.add_joint(vx.HingeJoint(limits=limits), None, body, name="hinge")
+    if extra:
+        world.add(vx.Sphere(0.1))
+    return world
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"time_step": 0.004}, "the world was made with another time_step"),
+        ({"mass": 2.0}, "body 1 of the world, 'ring', has another mass"),
+        ({"name": "nut"}, "body 1 of the world, 'nut', has another name"),
+        ({"radius": 0.2}, "body 2 of the world, 'body 2', has another .*inertia|shape"),
+        ({"limits": (0.0, 1.0)}, "joint 0 of the world, 'hinge', has another limits"),
+        ({"extra": True}, "it has 3 bodies, and the world has 4"),
+    ],
+)
+def test_files_of_other_scenes_are_refused_with_what_differs(ring, tmp_path, changes, message):
+    world = make_scene(ring)
+    path = world.save_state().save(tmp_path / "state.npz")
+    other = make_scene(ring, **changes)
+    before = [body.pose for body in other.bodies]
+    with pytest.raises(vx.SettingsError, match=f"another world, whose scene differs: {message}"):
+        other.restore_state(vx.WorldState.load(path))
+    for body, pose in zip(other.bodies, before, strict=True):
+        np.testing.assert_array_equal(body.pose, pose)
+    make_scene(ring).restore_state(vx.WorldState.load(path))
+
+
+def test_states_say_what_they_are(ring, tmp_path):
+    state = make_scene(ring).save_state()
+    assert repr(state) == "WorldState(3 bodies, 1 joints)"
+    assert repr(vx.WorldState.load(state.save(tmp_path / "a.npz"))) == repr(state)
+    with pytest.raises(vx.InputTypeError, match=r"from World\.save_state\(\) or WorldState\.load"):
+        vx.WorldState()
+    with pytest.raises(vx.SettingsError, match=r"a state needs a file name that ends in \.npz"):
+        state.save(tmp_path / "state.vxs")
+    with pytest.raises(vx.MissingFileError, match="does not exist"):
+        state.save(tmp_path / "none" / "a.npz")
 
 
 def fall(model):

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 import warnings
 
@@ -309,7 +310,7 @@ def test_a_world_has_no_attributes_but_its_own(name):
         setattr(vx.World(), name, 1)
 
 
-@pytest.mark.parametrize("name", ["gravity", "time_step"])
+@pytest.mark.parametrize("name", ["time_step"])
 def test_what_a_world_keeps_is_told_with_what_to_do_instead(name):
     with pytest.raises(AttributeError, match=rf"cannot change: pass {name}=\.\.\. to voxshell"):
         setattr(vx.World(), name, 1)
@@ -418,7 +419,76 @@ def test_thin_round_bodies_fall(size):
         assert body.position[2] == pytest.approx(-9.81 * 55 / 200**2, rel=1e-3)
 
 
+def test_gravity_changes_from_the_next_step_on():
+    def fall(change):
+        world = vx.World() if change else vx.World(gravity=(1.0, 0, 2.0))
+        body = world.add(vx.Sphere(0.1))
+        if change:
+            world.gravity = (1.0, 0, 2.0)
+        world.step(100)
+        return body.pose.tobytes() + body.linear_velocity.tobytes()
+
+    assert fall(True) == fall(False)
+
+
+def test_a_change_of_gravity_wakes_bodies_and_the_same_gravity_does_not():
+    world = vx.World()
+    world.add(vx.Plane(), mass=0)
+    box = world.add(vx.Box((0.1, 0.1, 0.1)), pose=(0, 0, 0.1))
+    world.step(600)
+    assert box.sleeping
+    world.gravity = (0.0, 0.0, -9.81)
+    assert box.sleeping
+    world.gravity = (0.0, 0.0, 1.0)
+    assert not box.sleeping
+    world.step(200)
+    assert box.linear_velocity[2] == pytest.approx(1.0)
+
+
+def test_what_rests_slides_when_gravity_tilts():
+    world = vx.World()
+    world.add(vx.Plane(), mass=0, friction=1.0)
+    box = world.add(vx.Box((0.1, 0.1, 0.1)), pose=(0, 0, 0.1), friction=0.5)
+    world.step(100)
+    world.gravity = (4.0, 0, -9.81)  # less than the friction
+    world.step(200)
+    assert abs(box.position[0]) < 1e-4
+    world.gravity = (6.0, 0, -9.81)
+    world.step(200)
+    assert box.linear_velocity[0] == pytest.approx(6.0 - 0.5 * 9.81, rel=0.01)
+
+
+def test_states_contain_gravity():
+    world = vx.World()
+    ball = world.add(vx.Sphere(0.1))
+    state = world.save_state()
+    world.gravity = (0, 0, 3.0)
+    world.restore_state(state)
+    np.testing.assert_array_equal(world.gravity, (0, 0, -9.81))
+    world.step()
+    assert ball.linear_velocity[2] == pytest.approx(-9.81 / 200)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "message"),
+    [
+        (1, "gravity must be three numbers in m/s2"),
+        ((0, 0, math.nan), "gravity"),
+        ((0, 0, -1e11), "gravity moves bodies by"),
+    ],
+)
+def test_wrong_gravity_is_refused_and_changes_nothing(gravity, message):
+    world = vx.World()
+    with pytest.raises(vx.SettingsError, match=message):
+        world.gravity = gravity
+    np.testing.assert_array_equal(world.gravity, (0, 0, -9.81))
+    with pytest.raises(ValueError, match="read-only"):
+        world.gravity[2] = 0.0
+
+
 def test_gravity_in_millimeters_is_doubted():
+    with pytest.warns(vx.UnitWarning, match="gravity is 9810 m/s2"):
+        vx.World().gravity = (0, 0, -9810)
     with pytest.warns(vx.UnitWarning, match=r"9810 m/s2, 1000 times that of the Earth"):
         vx.World(gravity=(0, 0, -9810))
     vx.World(gravity=(0, 0, -1000.0))
