@@ -575,15 +575,14 @@ inline constexpr double kReturnOfParting = 5.0;
 /// Bodies that turn may end a step in each other by this fraction of the smaller one's size.
 /// Smaller: more steps are solved twice.
 inline constexpr double kEndOfSize = 0.001;
-/// What turning does to the depth there is at least this fraction of it. Smaller: wheels that roll
-/// over waves are braked.
+/// Turning moves a place that touches along its normal by at least this fraction of the depth, and
+/// changes the depth by as much, or by the second fraction of the smaller body's size. Smaller:
+/// wheels that roll over waves are braked.
 inline constexpr double kLeastByTurning = 0.5;
-/// Or this fraction of the smaller body's size: facets of wheels do less. Larger: capsules that
-/// pass a ball end the step in it.
-inline constexpr double kLeastByTurningOfSize = 0.02;
-/// Where the normal there has at least this cosine with that of a contact, within 1.8 degrees, it
-/// does not matter what turning does. Smaller: what rolls in a bowl is braked.
-inline constexpr double kSameEndNormal = 0.9995;
+inline constexpr double kLeastByTurningOfSize = 0.04;
+/// Where all contacts have the normal of the deepest place, by this cosine of a quarter degree, the
+/// depth need not change. Smaller: what rolls in a bowl is braked.
+inline constexpr double kSameEndNormal = 0.99999;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are
 /// deeper.
 inline constexpr int kMostSolutionsOfTurns = 3;

@@ -77,7 +77,11 @@ struct Posed {
     return {nullptr, body.getCollisionShape(), &body, pose, -1, -1};
   }
   btVector3 velocity_at(const btVector3& place) const {
-    return body.getLinearVelocity() + body.getAngularVelocity().cross(place - pose.getOrigin());
+    return body.getLinearVelocity() + turning_at(place);
+  }
+  /// What turning about the center of mass adds to that.
+  btVector3 turning_at(const btVector3& place) const {
+    return body.getAngularVelocity().cross(place - pose.getOrigin());
   }
   /// The same lever from the center of mass where the step begins.
   btVector3 at_start(const btVector3& place) const {
@@ -111,15 +115,32 @@ Overlaps find_overlaps(const Posed& a, const Posed& b, btCollisionDispatcher& di
   return overlaps;
 }
 
-/// Whether the place has the normal of a contact of its bodies: where the ground does not bend, a
+/// Whether all contacts of its bodies have the place's normal: where the ground does not bend, a
 /// contact there does not brake what rolls.
-bool has_normal_of_contact(const Overlap& place, const btManifoldArray& manifolds) {
-  bool is_found = false;
+bool have_normal_of(const Overlap& place, const btManifoldArray& manifolds) {
+  bool have = true;
   visit_points(manifolds, [&](const btManifoldPoint& point) {
     const btScalar cosine = point.m_normalWorldOnB.dot(place.normal);
-    is_found = is_found || btFabs(cosine) >= static_cast<btScalar>(kSameEndNormal);
+    have = have && btFabs(cosine) >= static_cast<btScalar>(kSameEndNormal);
   });
-  return is_found;
+  return have;
+}
+
+/// How fast turning brings two bodies together or apart at a place, m/s. Nothing where the place of
+/// a round body is.
+btScalar closing_by_turning(const Posed& a, const Posed& b, const btVector3& place,
+                            const btVector3& normal) {
+  return btFabs(normal.dot(a.turning_at(place) - b.turning_at(place)));
+}
+
+/// The most at contacts.
+btScalar closing_by_turning(const btManifoldArray& manifolds, const Posed& a, const Posed& b) {
+  btScalar most = 0;
+  visit_points(manifolds, [&](const btManifoldPoint& point) {
+    most = std::max(most,
+                    closing_by_turning(a, b, point.getPositionWorldOnB(), point.m_normalWorldOnB));
+  });
+  return most;
 }
 
 /// How far places of contacts move at most, as the other body sees them.
@@ -203,13 +224,19 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
   const Overlaps overlaps = find_overlaps(end_a, end_b, dispatcher, info);
   const btScalar depth = allowed - overlaps.deepest();
   if (!(depth > least)) return false;
-  if (!has_normal_of_contact(overlaps.deepest_place(), manifolds_)) {
+  // Round bodies do not come to face others with other places by turning.
+  const Overlap& deepest = overlaps.deepest_place();
+  const btScalar by_turning =
+      std::max(closing_by_turning(manifolds_, start_a, start_b),
+               closing_by_turning(end_a, end_b, deepest.on_b, deepest.normal)) *
+      time_step;
+  if (by_turning < static_cast<btScalar>(kLeastByTurning) * depth) return false;
+  if (!have_normal_of(deepest, manifolds_)) {
     const btScalar of_unturned =
         find_overlaps(unturned(end_a), unturned(end_b), dispatcher, info).deepest();
-    const btScalar by_turning = btFabs(overlaps.deepest() - of_unturned);
-    // Round bodies do not come to face others with other places by turning.
-    if (by_turning < std::min(static_cast<btScalar>(kLeastByTurning) * depth,
-                              static_cast<btScalar>(kLeastByTurningOfSize) * size)) {
+    if (btFabs(overlaps.deepest() - of_unturned) <
+        std::min(static_cast<btScalar>(kLeastByTurning) * depth,
+                 static_cast<btScalar>(kLeastByTurningOfSize) * size)) {
       return false;
     }
   }
