@@ -27,6 +27,7 @@
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -41,7 +42,7 @@ std::optional<Vec3> facing_place(const btCollisionObject& body, const Vec3& plac
   const btCollisionShape& shape = *body.getCollisionShape();
   const CollisionMethod method = collision_method_of(shape);
   if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return std::nullopt;
-  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, body.getWorldTransform(), -1, -1);
+  const btCollisionObjectWrapper wrap = wrap_object(body);
   const Side side(wrap, nullptr);
   const Pose& world_from_own = side.world_from_geometry();
   const Pose own_from_world = world_from_own.inverse();

@@ -17,6 +17,7 @@
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::model_algorithm_test {
 namespace {
@@ -35,8 +36,8 @@ class Pair {
        const ContactSettings& settings = {}, Purpose purpose = Purpose::kSimulation)
       : settings_(settings),
         dispatcher_(world.dispatcher),
-        wrap_a_(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1),
-        wrap_b_(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1),
+        wrap_a_(wrap_object(a)),
+        wrap_b_(wrap_object(b)),
         algorithm_({&world.dispatcher, 0}, settings_, purpose, nullptr) {
     info_.m_timeStep = scalar(kStep);
   }
