@@ -240,7 +240,7 @@ TEST(ModelAlgorithm, LooksAheadAsFarAsTheBodiesMove) {
 /// one is deeper by more than a quarter of the rest margin.
 TEST(ModelAlgorithm, KeepsPointsThatAreDeepEnough) {
   constexpr double kMargin = 2e-3;
-  const double band = static_cast<double>(kCarriesOnOfMargin) * kMargin;
+  const double band = static_cast<double>(kKeepsPointsOfMargin) * kMargin;
   const ContactSettings settings{.mode = ContactMode::kRegular,
                                  .shell = ShellRule::kFewest,
                                  .margin = kMargin,
