@@ -208,15 +208,15 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
     checked.body->applyTorque(divide(checked.torque, checked.body->getAngularFactor()));
   }
   if (!is_unfinished) return false;
-  carry_on(info.m_timeStep, solver);
+  continue_from_last(info.m_timeStep, solver);
   for (Checked& checked : all_) checked.start = State::of(*checked.body);
   return true;
 }
 
 /// Where blows are passed on, the next solution begins with the velocities that the last one found,
 /// without what forces add in either.
-void CheckedMotion::carry_on(btScalar time_step, CoulombSolver* solver) {
-  carried_.clear();
+void CheckedMotion::continue_from_last(btScalar time_step, CoulombSolver* solver) {
+  continued_.clear();
   for (const Checked& checked : all_) {
     btRigidBody& body = *checked.body;
     if (!blows_->reach(body)) continue;
@@ -224,10 +224,10 @@ void CheckedMotion::carry_on(btScalar time_step, CoulombSolver* solver) {
     const btVector3 by_torques = time_step * (body.getInvInertiaTensorWorld() * checked.torque);
     body.setLinearVelocity(checked.solved.linear_velocity - by_forces);
     body.setAngularVelocity(checked.solved.angular_velocity - by_torques);
-    carried_.push_back(&body);
+    continued_.push_back(&body);
   }
-  std::ranges::sort(carried_);
-  if (solver != nullptr) solver->carry_on(carried_);
+  std::ranges::sort(continued_);
+  if (solver != nullptr) solver->continue_from_last(continued_);
 }
 
 /// Looks where bodies that turn end the step, in pairs that have contacts.

@@ -185,11 +185,11 @@ inline constexpr double kFreeOfApproach = 0.05;
 inline constexpr float kMostCosineOfWalls = 0.1f;
 /// How often the contacts that touch are gone through for what they leave of the fall. Fewer: what
 /// slides in a groove is thought to fall into its walls.
-inline constexpr int kCarriedSweeps = 4;
-/// They carry a part of a fall if they take more than this fraction of it, and leave more than
-/// that. 0: what guides a body that something else carries lets it fall, too. Larger: gentle and
+inline constexpr int kGuidedSweeps = 4;
+/// They guide a fall if they take more than this fraction of it, and leave more than that. 0: what
+/// guides a body that something else supports lets it fall, too. Larger: gentle and
 /// steep ramps brake what slides down them.
-inline constexpr double kLeastCarried = 0.05;
+inline constexpr double kLeastGuided = 0.05;
 /// How often the contacts that touch first are gone through for what they leave of the motion.
 /// Fewer: what touches later at the other side of a body that lands flat is thought to leave.
 inline constexpr int kReboundSweeps = 8;
@@ -202,10 +202,10 @@ inline constexpr double kWarmStartingFactor = 0.85;
 /// A pair is still if its kinetic energy could lift it by at most this fraction of the rest margin.
 /// Larger: a ball that rolls slowly is stopped. Smaller: bodies on rounded bellies rock for longer.
 inline constexpr double kStillOfMargin = 0.15;
-/// A body is carried if its contacts took from it, in the last step, what forces gave it, up to
-/// this fraction of that. Larger: a body that a blow has stopped is taken to be carried by it.
+/// A body is supported if its contacts took from it, in the last step, what forces gave it, up to
+/// this fraction of that. Larger: a body that a blow has stopped is taken to be supported by it.
 /// Smaller: what the solver leaves of a stack's motion makes its bodies fall.
-inline constexpr double kCarriedWithin = 0.1;
+inline constexpr double kSupportedWithin = 0.1;
 /// Where a light body lies between heavy ones, the solver may leave this fraction of what they
 /// press it with. Larger: bodies below ten times their weight use CCD at low rates, and take
 /// longer. Smaller: bricks below a thousand times theirs move by half a millimeter at 30 Hz.
@@ -236,9 +236,9 @@ inline constexpr double kPatchForgets = 0.01;
 inline constexpr float kIdleOfMargin = 0.2f;
 /// A manifold keeps its points while none is deeper by more than this fraction of the rest margin.
 /// 0: points change from step to step, and bodies rock. Larger: bodies rest on shallow points.
-inline constexpr float kCarriesOnOfMargin = 0.25f;
+inline constexpr float kKeepsPointsOfMargin = 0.25f;
 /// A manifold with as many points as this need not look for more.
-inline constexpr std::size_t kCarryingPoints = 3;
+inline constexpr std::size_t kSupportingPoints = 3;
 /// Contacts of a still body are of at most this many flat patches, or are left as they are.
 inline constexpr std::size_t kMostPatches = 8;
 /// Contacts whose normals lean by up to eight degrees are on the rim of a patch that has this many

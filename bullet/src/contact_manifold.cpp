@@ -45,10 +45,10 @@ struct CachedImpulse {
             false};
   }
 
-  void give_to(btManifoldPoint& point, bool carries_on) {
+  void give_to(btManifoldPoint& point, bool keeps_impulse) {
     point.m_appliedImpulse = impulse;
     // What is left for ten iterations to find again in every step is what resting bodies rock by.
-    if (carries_on) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
+    if (keeps_impulse) point.m_appliedImpulse /= static_cast<btScalar>(kWarmStartingFactor);
     point.m_prevRHS = right_hand_side;
     point.m_appliedImpulseLateral1 = impulse_lateral_1;
     point.m_appliedImpulseLateral2 = impulse_lateral_2;
@@ -153,7 +153,7 @@ void ManifoldFiller::fill(btPersistentManifold& manifold,
     const auto same = place < before.size() && is_same(before[place])
                           ? before.begin() + static_cast<std::ptrdiff_t>(place)
                           : std::ranges::find_if(before, is_same);
-    if (same != before.end()) same->give_to(point, contact.carries_on && stays_awake_);
+    if (same != before.end()) same->give_to(point, contact.keeps_impulse && stays_awake_);
     if (tells_added_) {
       const bool swapped = is_swapped(manifold);
       gContactAddedCallback(point, swapped ? &b_ : &a_, point.m_partId0, point.m_index0,

@@ -21,7 +21,8 @@ struct WorldContact {
   double first_impulse = 0.0;     ///< where the solver is to start if the point is new, N s
   double rolling_friction = 0.0;  ///< at least that of the objects, meters
   double turning_speed = 0.0;     ///< see TurningContacts
-  bool carries_on = false;  ///< the solver is to start from all of the impulse of the step before
+  bool keeps_impulse =
+      false;  ///< the solver is to start from all of the impulse of the step before
   bool is_resting = false;
   /// Of resting bodies: how far a has slipped on b since they took hold of each other, meters.
   Vec3 slip{};

@@ -70,31 +70,31 @@ bool is_ball(const Field& field) {
   return std::holds_alternative<SphereField>(field) || std::holds_alternative<CapsuleField>(field);
 }
 
-/// What the contacts that touch leave of a fall; none where they carry nothing of it, or all.
-std::optional<Vec3> carry(const PairStep& step, const Vec3& fall,
-                          std::span<const Contact> contacts) {
+/// What the contacts that touch leave of a fall; none where they support nothing of it, or all.
+std::optional<Vec3> find_guided_fall(const PairStep& step, const Vec3& fall,
+                                     std::span<const Contact> contacts) {
   Vec3 left = fall;
-  for (int i = 0; i < kCarriedSweeps; ++i) {
+  for (int i = 0; i < kGuidedSweeps; ++i) {
     for (const Contact& contact : contacts) {
       if (!is_contact(step, impact_of(step, contact))) continue;
       const auto normal = static_cast<Vec3>(contact.normal);
       left = left - std::min(dot(left, normal), 0.0) * normal;
     }
   }
-  const double least = kLeastCarried * length(fall);
+  const double least = kLeastGuided * length(fall);
   if (length(fall - left) <= least || length(left) <= least) return std::nullopt;
   return left;
 }
 
-/// How the bodies may move along what they touch if one of them falls and something holds the
+/// How the bodies may move along what they touch if one of them falls and something supports the
 /// other one. Where that gives way, they are faster.
-class CarriedMotions {
+class GuidedFalls {
  public:
-  CarriedMotions(const PairStep& step, std::span<const Contact> contacts) {
+  GuidedFalls(const PairStep& step, std::span<const Contact> contacts) {
     if (!step.looks_ahead()) return;
     for (const RelativeMotion& stopped : step.if_stopped) {
       if (stopped.velocity_of_fall == Vec3{}) continue;
-      const auto fall = carry(step, stopped.velocity_of_fall, contacts);
+      const auto fall = find_guided_fall(step, stopped.velocity_of_fall, contacts);
       if (!fall) continue;
       motions_[count_] = step.motion;
       motions_[count_++].velocity_of_fall = kCcdReach * *fall;
@@ -143,7 +143,7 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
   bool touches_from_above = false;
   RelativeMotion freely = step.motion;
   freely.velocity_of_fall = {};
-  const CarriedMotions carried_motions(step, contacts);
+  const GuidedFalls guided_falls(step, contacts);
   // What is kept may overwrite the contact that is looked at.
   const auto keep = [&](const Contact& found, Contact judged) {
     beside.push_back(is_beside(step, found, judged.normal) ? 1 : 0);
@@ -152,8 +152,8 @@ void keep_touching(const PairStep& step, std::span<const Feature> features,
     if (step.looks_ahead() && !is_contact(step, impact_of(step, found)) &&
         !(memory.turning.speed_of(found.id) > 0.0)) {
       allow_motion(step, freely, features, found, 0.0, judged);
-      for (const RelativeMotion& carried : carried_motions.all()) {
-        allow_motion(step, carried, features, found, 2.0 * step.touching_gap(), judged);
+      for (const RelativeMotion& guided : guided_falls.all()) {
+        allow_motion(step, guided, features, found, 2.0 * step.touching_gap(), judged);
       }
       for (const RelativeMotion& turned : memory.turning.motions()) {
         // At its end, bodies touch with other places than now.
@@ -256,7 +256,7 @@ StepContacts apply_contact_rule(const PairStep& step, std::span<const Feature> f
                                 std::span<const std::uint32_t> exact,
                                 std::span<const std::uint32_t> hits, double fraction,
                                 std::vector<Contact>& contacts, PairMemory& memory) {
-  if (fraction > 0.0) carry_back(step, fraction, contacts);
+  if (fraction > 0.0) move_to_start(step, fraction, contacts);
   keep_touching(step, features, exact, hits, contacts, memory);
   drop_implied(step, memory.turning, contacts, memory.found);
   StepContacts of_step;
@@ -298,7 +298,7 @@ WorldContact to_world(const PairStep& step, const StepContacts& of_step, const C
   }
   const Impact impact = impact_of(step, contact);
   world.is_resting = is_anchored(step, impact);
-  world.carries_on = step.is_still || world.is_resting;
+  world.keeps_impulse = step.is_still || world.is_resting;
   if (world.is_resting) {
     const Vec3 slip =
         pair.shell_side().world_from_geometry().rotate(slip_of(step, of_step.hold, contact));

@@ -36,7 +36,7 @@ class ContactSearch {
   bool find_near(const ContactSettings& settings, PosedPair& pair, double margin,
                  const PairStep* step, Wanted wanted);
 
-  /// Finds where contacts of the last search that have been carried along touch now: places of
+  /// Finds where contacts of the last search that have moved along touch now: places of
   /// round surfaces that roll, as the bodies turn.
   void follow(const PosedPair& pair);
   /// Whether follow() finds all of them. Those of features of Bullet's shapes it does not.

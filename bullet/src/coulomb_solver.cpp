@@ -98,7 +98,7 @@ void CoulombSolver::convertJoints(btTypedConstraint** constraints, int constrain
     row.m_rhs *= fraction;
     row.m_cfm *= fraction;
   }
-  start_from_carried();
+  start_from_last();
 }
 
 void CoulombSolver::begin_step() { is_in_step_ = true; }
@@ -106,7 +106,7 @@ void CoulombSolver::begin_step() { is_in_step_ = true; }
 void CoulombSolver::end_step() {
   is_in_step_ = false;
   joint_rows_.clear();
-  carried_.clear();
+  continued_.clear();
 }
 
 btScalar CoulombSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
@@ -122,33 +122,33 @@ btScalar CoulombSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies
                                                                             info);
 }
 
-void CoulombSolver::carry_on(std::span<const btRigidBody* const> bodies) {
-  const auto carries_on = [&](const btRigidBody& body) {
+void CoulombSolver::continue_from_last(std::span<const btRigidBody* const> bodies) {
+  const auto continues = [&](const btRigidBody& body) {
     return std::ranges::binary_search(bodies, &body);
   };
-  carried_.clear();
+  continued_.clear();
   for (const JointRow& row : joint_rows_) {
-    if (carries_on(row.joint->getRigidBodyA()) || carries_on(row.joint->getRigidBodyB())) {
-      carried_.push_back(row);
+    if (continues(row.joint->getRigidBodyA()) || continues(row.joint->getRigidBodyB())) {
+      continued_.push_back(row);
     }
   }
   joint_rows_.clear();
-  std::ranges::stable_sort(carried_, {}, &JointRow::joint);
+  std::ranges::stable_sort(continued_, {}, &JointRow::joint);
 }
 
-/// Takes from the limits and aims of rows that carry on what they gave.
-void CoulombSolver::start_from_carried() {
+/// Takes from the limits and aims of rows that continue what they gave.
+void CoulombSolver::start_from_last() {
   btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
   given_.assign(static_cast<std::size_t>(rows.size()), btScalar(0));
-  if (carried_.empty()) return;
-  auto next = carried_.cbegin();
+  if (continued_.empty()) return;
+  auto next = continued_.cbegin();
   const btTypedConstraint* of = nullptr;
   for (int i = 0; i < rows.size(); ++i) {
     btSolverConstraint& row = rows[i];
     const auto* const joint = static_cast<const btTypedConstraint*>(row.m_originalContactPoint);
-    if (joint != of) next = std::ranges::lower_bound(carried_, joint, {}, &JointRow::joint);
+    if (joint != of) next = std::ranges::lower_bound(continued_, joint, {}, &JointRow::joint);
     of = joint;
-    if (next == carried_.cend() || next->joint != joint) continue;
+    if (next == continued_.cend() || next->joint != joint) continue;
     const btScalar given = (next++)->impulse;
     row.m_lowerLimit -= given;
     row.m_upperLimit -= given;

@@ -18,7 +18,7 @@ struct Impact {
   double gap;                 ///< meters, negative where the bodies overlap
   double approach;            ///< m/s
   double approach_of_forces;  ///< what forces add to it in the step, m/s
-  double approach_of_fall;    ///< the same as far as nothing carries the bodies, m/s
+  double approach_of_fall;    ///< the same as far as nothing supports the bodies, m/s
   double squared_speed;       ///< in any direction, m^2/s^2
 
   /// When the surfaces meet or met, seconds from the start of the step on.

@@ -48,7 +48,7 @@ bool KeptContacts::hold_in(const PairStep& step, bool are_followed) const {
       now.thickness != asked_->thickness) {
     return false;
   }
-  // Contacts are carried along by the inverse of the pose, which only rotations have.
+  // Contacts move along by the inverse of the pose, which only rotations have.
   if (!(squared_length(now.field_from_shell.rotation.row_x) < 2.0)) return false;
   const double most = (are_followed ? kKeptOfMargin : kKeptUnfollowedOfMargin) * step.rest_margin;
   if (!(bound_displacement(asked_->field_from_shell, now.field_from_shell, step.middle,
@@ -68,7 +68,7 @@ bool KeptContacts::have_moved_in(const PairStep& step) const {
                             step.ball.radius) > kFollowedOfMargin * step.rest_margin;
 }
 
-void KeptContacts::carry_to(const PairStep& step, std::vector<Contact>& contacts) const {
+void KeptContacts::move_to(const PairStep& step, std::vector<Contact>& contacts) const {
   contacts.clear();
   if (!asked_) return;
   // How the field's body has moved since, as the shell's sees it.

@@ -30,8 +30,8 @@ class KeptContacts {
   /// Whether the pair has moved so far since the contacts were kept or renewed that round surfaces
   /// touch elsewhere.
   bool have_moved_in(const PairStep& step) const;
-  /// Where the contacts are in this step; none if none were kept.
-  void carry_to(const PairStep& step, std::vector<Contact>& contacts) const;
+  /// Moves the contacts to where they are in this step; none if none were kept.
+  void move_to(const PairStep& step, std::vector<Contact>& contacts) const;
 
  private:
   /// What the answer of a search depends on.

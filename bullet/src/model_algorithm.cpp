@@ -10,7 +10,6 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include "apart.h"
-#include "carrying_places.h"
 #include "contact_constants.h"
 #include "contact_list.h"
 #include "contact_rule.h"
@@ -23,6 +22,7 @@
 #include "posed_pair.h"
 #include "rolling_lever.h"
 #include "stage_clock.h"
+#include "supporting_places.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
 #include "voxshell/manifold.h"
@@ -64,10 +64,10 @@ ManifoldPoints choose(std::span<const Contact> contacts, std::size_t most,
                       const btPersistentManifold& manifold, float band) {
   const ManifoldPoints before = points_before(contacts, manifold);
   const float deepest = find_deepest(contacts).depth;
-  const bool carries_on = before.count <= most && deepest <= depth_of(before, contacts) + band;
-  if (carries_on && before.count >= std::min(kCarryingPoints, most)) return before;
+  const bool keeps_points = before.count <= most && deepest <= depth_of(before, contacts) + band;
+  if (keeps_points && before.count >= std::min(kSupportingPoints, most)) return before;
   const ManifoldPoints chosen = select_manifold(contacts, most);
-  return carries_on && before.count >= chosen.count ? before : chosen;
+  return keeps_points && before.count >= chosen.count ? before : chosen;
 }
 
 /// Drops points outside the surface that are farther from it than the nearest by more than `band`:
@@ -115,8 +115,8 @@ struct ModelAlgorithm::Prepared {
   PosedPair pair;
   PairStep step{};
   StepContacts of_step{};
-  bool takes_all = false;   ///< all points within the margin, not one for each segment
-  bool carries_on = false;  ///< with the contacts of the last search
+  bool takes_all = false;       ///< all points within the margin, not one for each segment
+  bool keeps_contacts = false;  ///< those of the last search
 
   static btCollisionObjectWrapper copy(const btCollisionObjectWrapper& of) {
     return {of.m_parent,
@@ -142,7 +142,7 @@ struct ModelAlgorithm::Near {
 };
 
 bool ModelAlgorithm::has_searched() const {
-  return near_ != nullptr && near_->prepared && !near_->prepared->carries_on;
+  return near_ != nullptr && near_->prepared && !near_->prepared->keeps_contacts;
 }
 
 bool ModelAlgorithm::may_be_deep_on_the_way(const btCollisionObjectWrapper& a,
@@ -215,10 +215,10 @@ bool ModelAlgorithm::touches(const PairStep& step) const {
 }
 
 /// Whether what was found cannot push the bodies as their contacts did in the last step. It may
-/// carry one side of a body alone, which would fall on the other one within the step.
+/// support one side of a body alone, which would fall on the other one within the step.
 bool ModelAlgorithm::has_lost_support(const PairStep& step) const {
   const PosedPair& pair = *step.pair;
-  auto& places = of_this_thread<CarryingPlaces>();
+  auto& places = of_this_thread<SupportingPlaces>();
   places.before.clear();
   places.now.clear();
   for (const SegmentManifold& entry : active_) {
@@ -237,16 +237,16 @@ bool ModelAlgorithm::has_lost_support(const PairStep& step) const {
     const WorldContact world = pair.to_world(contact);
     places.now.push_back({world.point_b, world.normal, 0.0});
   }
-  return !places.can_carry_on(step.rest_margin);
+  return !places.can_support(step.rest_margin);
 }
 
-/// Describes the step, and looks for contacts or carries on with those of the last search.
+/// Describes the step, and looks for contacts or keeps those of the last search.
 ///
-/// @param support        What carries the bodies, or null: nothing does.
-/// @param may_carry_on   With those of the last search, where they hold.
+/// @param support            What supports the bodies, or null: nothing does.
+/// @param may_keep_contacts  Of the last search, where they hold.
 /// @return The fraction of the step after which contacts were looked for.
 double ModelAlgorithm::look(Prepared& prepared, double time_step, const Support* support,
-                            bool may_carry_on) {
+                            bool may_keep_contacts) {
   ContactSearch& search = near_->search;
   KeptContacts& kept = near_->kept;
   PosedPair& pair = prepared.pair;
@@ -258,9 +258,9 @@ double ModelAlgorithm::look(Prepared& prepared, double time_step, const Support*
   // A point a segment is what kSegmented promises of bodies that move.
   prepared.takes_all =
       !step.uses_ccd && (settings_.mode != ContactMode::kSegmented || step.is_still);
-  prepared.carries_on = may_carry_on && kept.hold_in(step, search.can_follow());
-  if (prepared.carries_on) {
-    kept.carry_to(step, search.contacts());
+  prepared.keeps_contacts = may_keep_contacts && kept.hold_in(step, search.can_follow());
+  if (prepared.keeps_contacts) {
+    kept.move_to(step, search.contacts());
     if (kept.have_moved_in(step)) {
       search.follow(pair);
       kept.renew(step, search.contacts());
@@ -290,9 +290,9 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   const PairStep& step = prepared.step;
   // Bodies that touch nothing may come to fall.
   double fraction =
-      look(prepared, time_step, active_.empty() ? nullptr : support_, /*may_carry_on=*/true);
-  if (step.is_carried && (!touches(step) || has_lost_support(step))) {
-    fraction = look(prepared, time_step, nullptr, /*may_carry_on=*/false);
+      look(prepared, time_step, active_.empty() ? nullptr : support_, /*may_keep_contacts=*/true);
+  if (step.is_supported && (!touches(step) || has_lost_support(step))) {
+    fraction = look(prepared, time_step, nullptr, /*may_keep_contacts=*/false);
   }
   if (clock != nullptr) clock->end(&NarrowPhaseTimings::query);
   const ContactSearch& search = near_->search;
@@ -302,7 +302,7 @@ void ModelAlgorithm::prepare(const btCollisionObjectWrapper& a, const btCollisio
   // Of bodies in a pile that move a little, such points carry in the next step. So do those of
   // bodies that gravity would move far.
   const bool lies = step.is_still || settings_.mode == ContactMode::kRegular;
-  if (prepared.takes_all && lies && !step.is_carried && !contacts.empty()) {
+  if (prepared.takes_all && lies && !step.is_supported && !contacts.empty()) {
     drop_idle_points(kIdleOfMargin * static_cast<float>(step.rest_margin), contacts);
   }
   is_prepared_ = true;
@@ -326,16 +326,16 @@ void ModelAlgorithm::commit(const Prepared& prepared, StageClock& clock) {
   }
   // Four points do not hold a body that turns while it is stopped: fast steps have all segments.
   const bool is_regular = prepared.takes_all && settings_.mode == ContactMode::kRegular;
-  if (!prepared.carries_on && !near_->is_spanned) {
+  if (!prepared.keeps_contacts && !near_->is_spanned) {
     near_->is_on_few_segments = is_regular || count_segments(step) <= kFewSegments;
   }
   assign_manifolds(step, is_regular);
-  choose_points(step, prepared.carries_on);
+  choose_points(step, prepared.keeps_contacts);
   clock.end(&NarrowPhaseTimings::reduction);
   fill(step, prepared.of_step);
   // While bodies move as far as followed contacts are kept for, others than these come to carry.
   const bool is_chosen_enough = near_->is_spanned || !near_->search.can_follow();
-  if (!prepared.carries_on && is_chosen_enough) near_->kept.reduce_to(chosen_);
+  if (!prepared.keeps_contacts && is_chosen_enough) near_->kept.reduce_to(chosen_);
   clock.end(&NarrowPhaseTimings::manifold);
 }
 
@@ -445,18 +445,18 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
 }
 
 /// Those of its contacts that each of active_ is to hold.
-/// @param carries_on  The contacts are those that were chosen before, and not all there are.
-void ModelAlgorithm::choose_points(const PairStep& step, bool carries_on) {
+/// @param keeps_contacts  The contacts are those that were chosen before, and not all there are.
+void ModelAlgorithm::choose_points(const PairStep& step, bool keeps_contacts) {
   const bool is_few = near_->is_on_few_segments;
   // In steps with CCD a segment has the place that is nearest now and those that hit later.
   const bool has_hits = !near_->search.hits().empty() && settings_.mode != ContactMode::kSegmented;
   const std::size_t most = is_few || near_->is_spanned || has_hits ? kManifoldSize : 1;
-  const float band = kCarriesOnOfMargin * static_cast<float>(step.rest_margin);
+  const float band = kKeepsPointsOfMargin * static_cast<float>(step.rest_margin);
   std::span<const Contact> left(near_->search.contacts());
   for (SegmentManifold& entry : active_) {
     const std::span<const Contact> group = left.first(entry.contact_count);
     left = left.subspan(entry.contact_count);
-    if (!carries_on) {
+    if (!keeps_contacts) {
       entry.rolling_lever = is_few ? rolling_lever_of(step, group, near_->search.exact()) : 0.0;
     }
     entry.chosen = choose(group, most, *entry.manifold, band);

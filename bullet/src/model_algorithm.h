@@ -82,7 +82,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   bool may_keep(const PairStep& step) const;
   bool touches(const PairStep& step) const;
   bool has_lost_support(const PairStep& step) const;
-  double look(Prepared& prepared, double time_step, const Support* support, bool may_carry_on);
+  double look(Prepared& prepared, double time_step, const Support* support, bool may_keep_contacts);
   void commit(const Prepared& prepared, StageClock& clock);
   static Segment segment_of(const PosedPair& pair, const Contact& contact, int level);
   static void report(const PosedPair& pair, std::span<const Contact> contacts,
@@ -91,7 +91,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void span_patches(const PairStep& step);
   std::size_t count_segments(const PairStep& step) const;
   void assign_manifolds(const PairStep& step, bool is_regular);
-  void choose_points(const PairStep& step, bool carries_on);
+  void choose_points(const PairStep& step, bool keeps_contacts);
   void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
   void release_idle();

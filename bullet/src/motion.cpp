@@ -78,12 +78,12 @@ Motion Motion::of(const btCollisionObject& object, double time_step) {
           {from_bullet(inertia[0]), from_bullet(inertia[1]), from_bullet(inertia[2])}};
 }
 
-bool Motion::is_carried(const Support::Push& by_contacts, double radius) const {
+bool Motion::is_supported(const Support::Push& by_contacts, double radius) const {
   if (inverse_mass == 0.0) return velocity_of_forces == Vec3{};
   const Vec3 fall = velocity_of_forces + by_contacts.velocity;
   return length(fall) + radius * length(by_contacts.angular_velocity) +
              kUnsolvedOfLoad * by_contacts.load <=
-         kCarriedWithin * length(velocity_of_forces);
+         kSupportedWithin * length(velocity_of_forces);
 }
 
 Pose Motion::moved(const Pose& world_from_x, double fraction, double time_step) const {

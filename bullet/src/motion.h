@@ -14,17 +14,18 @@ struct Motion {
   Vec3 velocity;              ///< of that point, m/s
   Vec3 angular_velocity;      ///< rad/s
   Vec3 velocity_of_forces;    ///< what gravity and other forces add to it in the step, m/s
-  Vec3 velocity_of_fall;      ///< the same, or 0 where contacts carry the body, m/s
+  Vec3 velocity_of_fall;      ///< the same, or 0 where contacts support the body, m/s
   double inverse_mass = 0.0;  ///< 1/kg; 0 where it does not move, or is a link of a multibody
   Matrix3 inverse_inertia{{}, {}, {}};  ///< about the point, 1/(kg m^2); likewise
   bool is_link = false;  ///< of a multibody, whose solver adds what forces do beforehand
 
-  /// At rest where the object has no velocity of its own. Nothing carries it.
+  /// At rest where the object has no velocity of its own. Nothing supports it.
   static Motion of(const btCollisionObject& object, double time_step);
 
-  /// Whether forces do not move the body if contacts do what they did in the last step.
+  /// Whether contacts support the body: forces do not move it if contacts do what they did in the
+  /// last step.
   /// @param radius  Of the body, meters.
-  bool is_carried(const Support::Push& by_contacts, double radius) const;
+  bool is_supported(const Support::Push& by_contacts, double radius) const;
 
   Vec3 velocity_at(const Vec3& world_point) const {
     return velocity + cross(angular_velocity, world_point - center);

@@ -2,6 +2,8 @@
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 
+#include "wrap_object.h"
+
 namespace voxshell::bullet {
 
 namespace {
@@ -19,8 +21,7 @@ void place_fields(const btCollisionObject& body, const btCollisionShape& shape,
   }
   const CollisionMethod method = collision_method_of(shape);
   if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return;
-  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, world_from_shape, -1, -1);
-  fields.emplace_back(Side(wrap, nullptr));
+  fields.emplace_back(Side(wrap_object(body, shape, world_from_shape), nullptr));
 }
 
 }  // namespace

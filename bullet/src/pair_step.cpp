@@ -84,11 +84,11 @@ PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, d
   step.is_still = time_step > 0.0 && 0.5 * fastest * fastest <= energy_to_lift;
   look_ahead(settings, step);
   // What lies on something looks no farther than what touches it.
-  step.is_carried = step.looks_ahead() && support != nullptr && step.is_still &&
-                    fastest * time_step <= step.rest_margin &&
-                    step.motion_a.is_carried(support->of(*object_a), ball_a.radius) &&
-                    step.motion_b.is_carried(support->of(*object_b), ball_b.radius);
-  if (step.is_carried) {
+  step.is_supported = step.looks_ahead() && support != nullptr && step.is_still &&
+                      fastest * time_step <= step.rest_margin &&
+                      step.motion_a.is_supported(support->of(*object_a), ball_a.radius) &&
+                      step.motion_b.is_supported(support->of(*object_b), ball_b.radius);
+  if (step.is_supported) {
     step.motion_a.velocity_of_fall = step.motion_b.velocity_of_fall = {};
     look_ahead(settings, step);
   }

@@ -28,7 +28,7 @@ struct PairStep {
   bool uses_ccd;        ///< points that will touch within the step are contacts
   double margin;        ///< points may be contacts up to this gap
   double touch_margin;  ///< points farther apart do not touch within the step; at most the margin
-  bool is_carried;      ///< contacts are taken to carry the bodies as in the last step
+  bool is_supported;    ///< contacts are taken to support the bodies as in the last step
   bool is_still;        ///< the bodies hardly move, and come to rest on the points that they lie on
   bool rolls_at_rest;   ///< ContactSettings::rolling_at_rest
   bool solver_turns_contacts;  ///< ContactSettings::solver_turns_contacts
@@ -73,7 +73,7 @@ Turning turning_of(const PairStep& step, bool is_of_field);
 /// toward the other body.
 Turning own_turning_of(const PairStep& step, bool is_of_field);
 
-/// @param support  What carries the bodies, which touched in the last step; else null.
+/// @param support  What supports the bodies, which touched in the last step; else null.
 PairStep describe_step(const PosedPair& pair, const ContactSettings& settings, double time_step,
                        double owed_energy, const Support* support = nullptr);
 

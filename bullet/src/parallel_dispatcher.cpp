@@ -13,6 +13,7 @@
 #include "posed_pair.h"
 #include "run_on_threads.h"
 #include "support.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -39,13 +40,7 @@ struct ParallelDispatcher::Job {
   const btCollisionObject* b;
 
   void prepare(double time_step) const {
-    const auto wrap = [](const btCollisionObject& object) {
-      return btCollisionObjectWrapper(nullptr, object.getCollisionShape(), &object,
-                                      object.getWorldTransform(), -1, -1);
-    };
-    const btCollisionObjectWrapper wrap_a = wrap(*a);
-    const btCollisionObjectWrapper wrap_b = wrap(*b);
-    algorithm->prepare(wrap_a, wrap_b, time_step, nullptr);
+    algorithm->prepare(wrap_object(*a), wrap_object(*b), time_step, nullptr);
   }
 };
 

@@ -16,9 +16,9 @@ struct Touch {
 
 /// What a contact at a seam becomes.
 struct Seam {
-  Vec3 normal;   ///< of the plane that the flush surfaces have in common
-  double gap;    ///< along it, meters
-  bool carries;  ///< else the contact is removed
+  Vec3 normal;    ///< of the plane that the flush surfaces have in common
+  double gap;     ///< along it, meters
+  bool supports;  ///< else the contact is removed
 };
 
 /// Where the body of a touch meets the other one. Forces, and motion along them, would take a body
@@ -26,7 +26,7 @@ struct Seam {
 struct Arrival {
   bool is_in_time;  ///< within the step; else it is a guard (decision 51)
   Vec3 place;
-  Vec3 fall;  ///< how much farther it is where nothing carries the body
+  Vec3 fall;  ///< how much farther it is where nothing supports the body
 };
 
 /// The direction, along a surface of that normal, in which another normal leans.

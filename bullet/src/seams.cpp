@@ -27,6 +27,7 @@
 #include "shape_features.h"
 #include "voxshell/bullet/convert.h"
 #include "voxshell/bullet/parallel_dispatcher.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -41,7 +42,7 @@ std::optional<Vec3> facing_place(const btCollisionObject& body, const Vec3& plac
   const btCollisionShape& shape = *body.getCollisionShape();
   const CollisionMethod method = collision_method_of(shape);
   if (method != CollisionMethod::kModel && method != CollisionMethod::kField) return std::nullopt;
-  const btCollisionObjectWrapper wrap(nullptr, &shape, &body, body.getWorldTransform(), -1, -1);
+  const btCollisionObjectWrapper wrap = wrap_object(body);
   const Side side(wrap, nullptr);
   const Pose& world_from_own = side.world_from_geometry();
   const Pose own_from_world = world_from_own.inverse();
@@ -94,7 +95,7 @@ Arrival arrival_of(const Touch& touch, const Vec3& velocity, const Vec3& velocit
 }
 
 /// The place of an arrival on the surface `beside`, if that is on the way down.
-Vec3 carried_place(const Arrival& arrival, const Vec3& normal, double reach, Neighbor& beside) {
+Vec3 supported_place(const Arrival& arrival, const Vec3& normal, double reach, Neighbor& beside) {
   const Vec3 down = normalized(arrival.fall);
   const Vec3 over = reach * (normal - dot(normal, down) * down);
   Vec3 place = arrival.place;
@@ -198,7 +199,7 @@ std::optional<Seam> find_seam(const Touch& touch, const Arrival& arrival, double
                               Neighbor& body, Neighbor& other, Neighbor& beside) {
   if (!other.has_field() || !beside.has_field()) return std::nullopt;
   const double reach = kSeamReach * radius;
-  const Vec3 place = carried_place(arrival, touch.normal, reach, beside);
+  const Vec3 place = supported_place(arrival, touch.normal, reach, beside);
   if (beside.distance(place) > reach) return std::nullopt;
   const Union both(other, beside);
   Vec3 upwards = both.outwards(place + reach * touch.normal);
@@ -253,7 +254,7 @@ void collect(btDispatcher& dispatcher, std::vector<Touching>& touching) {
 /// Turns the contact into the seam's normal. Its place on the body that slides stays, or is that of
 /// a round surface which faces the plane: another one turns away, and would brake what rolls.
 void turn(btManifoldPoint& point, const Correction& correction) {
-  auto [normal, gap, carries] = correction.seam;
+  auto [normal, gap, supports] = correction.seam;
   Vec3 on_body = touch_of(point, correction.of_first).on_body;
   const btPersistentManifold& manifold = *correction.manifold;
   const btCollisionObject& body =
@@ -292,7 +293,7 @@ void apply(std::vector<Correction>& corrections) {
                     corrections.end());
   for (const Correction& correction : corrections) {
     btManifoldPoint& point = correction.manifold->getContactPoint(correction.point);
-    if (correction.seam.carries) {
+    if (correction.seam.supports) {
       turn(point, correction);
     } else {
       correction.manifold->removeContactPoint(correction.point);
@@ -379,7 +380,7 @@ std::optional<Seam> Examiner::seam_of(Touch touch, Neighbor& body, const btColli
       }
       const auto seam = find_seam(touch, arrival, least, body, *touched, beside);
       if (!seam) continue;
-      if (!seam->carries) return seam;
+      if (!seam->supports) return seam;
       // What leans a little over the touched face itself is a curved one's own normal.
       if (&beside == &*touched) continue;
       found = seam;

@@ -12,6 +12,7 @@
 #include "compound_algorithm.h"
 #include "contact_constants.h"
 #include "model_algorithm.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -97,10 +98,8 @@ class SolvedMotionSearch::Callback : public btOverlapCallback {
 
   /// @param known  The algorithm of the pair.
   bool add(const btCollisionAlgorithm& known, btCollisionObject& a, btCollisionObject& b) {
-    const btCollisionObjectWrapper wrap_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(),
-                                          -1, -1);
-    const btCollisionObjectWrapper wrap_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(),
-                                          -1, -1);
+    const btCollisionObjectWrapper wrap_a = wrap_object(a);
+    const btCollisionObjectWrapper wrap_b = wrap_object(b);
     if (typeid(known) == typeid(ModelAlgorithm)) {
       const btScalar size = size_of(*btRigidBody::upcast(&a), *btRigidBody::upcast(&b));
       const double least = kDeepOfChecked * kCheckedOfSize * static_cast<double>(size);

@@ -435,7 +435,7 @@ void allow_motion_after(const PairStep& step, const AfterTouch& after,
   widen(step, closing, plane);
 }
 
-void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts) {
+void move_to_start(const PairStep& step, double fraction, std::vector<Contact>& contacts) {
   const Pose field_from_shell_then = step.field_from_shell_after(fraction);
   for (Contact& contact : contacts) {
     const auto normal = static_cast<Vec3>(contact.normal);

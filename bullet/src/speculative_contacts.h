@@ -44,6 +44,6 @@ void allow_motion_after(const PairStep& step, const AfterTouch& after,
 
 /// Moves contacts that were looked for after a fraction of the step to where they are at its start,
 /// and drops those that overlap there.
-void carry_back(const PairStep& step, double fraction, std::vector<Contact>& contacts);
+void move_to_start(const PairStep& step, double fraction, std::vector<Contact>& contacts);
 
 }  // namespace voxshell::bullet

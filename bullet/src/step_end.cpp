@@ -12,6 +12,7 @@
 #include "contact_constants.h"
 #include "second_shell.h"
 #include "turning_speed.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet {
 namespace {
@@ -74,7 +75,7 @@ struct Posed {
   btTransform pose;
 
   btCollisionObjectWrapper wrap() const {
-    return {nullptr, body.getCollisionShape(), &body, pose, -1, -1};
+    return wrap_object(body, *body.getCollisionShape(), pose);
   }
   btVector3 velocity_at(const btVector3& place) const {
     return body.getLinearVelocity() + turning_at(place);

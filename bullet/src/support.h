@@ -10,7 +10,7 @@
 namespace voxshell::bullet {
 
 /// What contacts did to the velocities of bodies in the last step. A body that lies on something
-/// does not fall in the next step either, but a pair of bodies cannot tell: what carries the body
+/// does not fall in the next step either, but a pair of bodies cannot tell: what supports the body
 /// may be a third one. Decision 59.
 class Support {
  public:

@@ -213,12 +213,12 @@ TEST(ContactRule, GivesTheSlipOfTheFirstBodyOnTheSecondAndTheLever) {
     };
     const WorldContact held = slip_after(kSlip, {});
     EXPECT_TRUE(held.is_resting);
-    EXPECT_TRUE(held.carries_on);
+    EXPECT_TRUE(held.keeps_impulse);
     EXPECT_LT(length(held.slip - Vec3{is_a ? kSlip : -kSlip, 0, 0}), 1e-8);
     EXPECT_EQ(held.rolling_friction, kLever);
     const WorldContact sliding = slip_after(kSlip, {1, 0, 0});
     EXPECT_FALSE(sliding.is_resting);
-    EXPECT_FALSE(sliding.carries_on);
+    EXPECT_FALSE(sliding.keeps_impulse);
     EXPECT_EQ(length(sliding.slip), 0.0);
     EXPECT_EQ(sliding.rolling_friction, 0.0);
   }

@@ -5,6 +5,7 @@
 
 #include "support/models.h"
 #include "support/world.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::far_and_nan_test {
 namespace {
@@ -68,10 +69,8 @@ TEST(FarAndNan, TheNarrowPhaseSurvivesAnyTransform) {
           world.world.contactPairTest(partner, &blob, ignore);
           EXPECT_EQ(ignore.not_finite, 0);
         }
-        btCollisionObjectWrapper wrap0(nullptr, blob.getCollisionShape(), &blob,
-                                       blob.getWorldTransform(), -1, -1);
-        btCollisionObjectWrapper wrap1(nullptr, partner->getCollisionShape(), partner,
-                                       partner->getWorldTransform(), -1, -1);
+        btCollisionObjectWrapper wrap0 = wrap_object(blob);
+        btCollisionObjectWrapper wrap1 = wrap_object(*partner);
         btManifoldResult result(&wrap0, &wrap1);
         btCollisionAlgorithm* algorithm =
             world.dispatcher.findAlgorithm(&wrap0, &wrap1, nullptr, BT_CONTACT_POINT_ALGORITHMS);

@@ -141,7 +141,7 @@ TEST(KeptContacts, GoAlongWithTheBodies) {
              btVector3(btScalar(0.1 * most / kHalf), 0, btScalar(0.1 * most / kHalf)));
   ASSERT_TRUE(kept.hold_in(scene.step(), true));
   std::vector<Contact> carried;
-  kept.carry_to(scene.step(), carried);
+  kept.move_to(scene.step(), carried);
   const std::vector<Contact> searched = scene.search();
   ASSERT_EQ(carried.size(), before.size());
   std::size_t compared = 0;
@@ -165,7 +165,7 @@ TEST(KeptContacts, AreThoseThatWereChosen) {
   const std::vector<Contact> chosen{before[7], before[2], before[30]};
   kept.reduce_to(chosen);
   std::vector<Contact> carried;
-  kept.carry_to(scene.step(), carried);
+  kept.move_to(scene.step(), carried);
   ASSERT_EQ(carried.size(), 3u);
   EXPECT_EQ(carried[0].id, before[2].id);
   EXPECT_EQ(carried[1].id, before[7].id);
@@ -222,7 +222,7 @@ Rolled roll(btRigidBody& low, btRigidBody& ball, bool ball_is_first, btRigidBody
     return most / (angle * step->ball.radius);
   };
   Rolled rolled{};
-  kept.carry_to(*step, search.contacts());
+  kept.move_to(*step, search.contacts());
   rolled.carried = farthest();
   search.follow(bodies->pair);
   rolled.followed = farthest();

@@ -17,6 +17,7 @@
 #include "support/models.h"
 #include "support/random.h"
 #include "support/world.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::model_algorithm_test {
 namespace {
@@ -35,8 +36,8 @@ class Pair {
        const ContactSettings& settings = {}, Purpose purpose = Purpose::kSimulation)
       : settings_(settings),
         dispatcher_(world.dispatcher),
-        wrap_a_(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1),
-        wrap_b_(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1),
+        wrap_a_(wrap_object(a)),
+        wrap_b_(wrap_object(b)),
         algorithm_({&world.dispatcher, 0}, settings_, purpose, nullptr) {
     info_.m_timeStep = scalar(kStep);
   }
@@ -239,7 +240,7 @@ TEST(ModelAlgorithm, LooksAheadAsFarAsTheBodiesMove) {
 /// one is deeper by more than a quarter of the rest margin.
 TEST(ModelAlgorithm, KeepsPointsThatAreDeepEnough) {
   constexpr double kMargin = 2e-3;
-  const double band = static_cast<double>(kCarriesOnOfMargin) * kMargin;
+  const double band = static_cast<double>(kKeepsPointsOfMargin) * kMargin;
   const ContactSettings settings{.mode = ContactMode::kRegular,
                                  .shell = ShellRule::kFewest,
                                  .margin = kMargin,

@@ -44,13 +44,13 @@ class OnFlushBoxes : public testing::Test {
 TEST_F(OnFlushBoxes, ALevelContactIsRemoved) {
   const auto seam = find({1, 0, 0});
   ASSERT_TRUE(seam);
-  EXPECT_FALSE(seam->carries);
+  EXPECT_FALSE(seam->supports);
 }
 
 TEST_F(OnFlushBoxes, OneThatLeansIsTurned) {
   const auto seam = find(normalized(Vec3{0.5, 0, 1}));
   ASSERT_TRUE(seam);
-  EXPECT_TRUE(seam->carries);
+  EXPECT_TRUE(seam->supports);
   EXPECT_EQ(seam->normal, kUp);
   EXPECT_EQ(seam->gap, 0.0);
 }

@@ -17,6 +17,7 @@
 #include "support/models.h"
 #include "support/random.h"
 #include "support/two_bodies.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::posed_pair_test {
 namespace {
@@ -258,10 +259,8 @@ TEST(PosedPair, CountsTheMarginsOfBulletsShapes) {
        {static_cast<btCollisionShape*>(&block), static_cast<btCollisionShape*>(&mesh)}) {
     shape->setMargin(scalar(kMargin));
     const btRigidBody& ground = world.add(*shape, 0);
-    const btCollisionObjectWrapper of_cube(nullptr, cube.getCollisionShape(), &cube,
-                                           cube.getWorldTransform(), -1, -1);
-    const btCollisionObjectWrapper of_ground(nullptr, shape, &ground, ground.getWorldTransform(),
-                                             -1, -1);
+    const btCollisionObjectWrapper of_cube = wrap_object(cube);
+    const btCollisionObjectWrapper of_ground = wrap_object(ground);
     const PosedPair pair(of_cube, of_ground, &*hull, ShellRule::kAutomatic);
     const bool has_triangles = shape == &mesh;
     ASSERT_EQ(pair.has_triangles(), has_triangles);

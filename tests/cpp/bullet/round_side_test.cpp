@@ -7,6 +7,7 @@
 #include "support/models.h"
 #include "support/world.h"
 #include "voxshell/bullet/convert.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::round_side_test {
 namespace {
@@ -18,9 +19,7 @@ const Vec3 kDirection = normalized(Vec3{0.6, 0.0, -0.8});
 
 /// The one side of a body, in the frame of its geometry.
 struct OneSide {
-  explicit OneSide(const btRigidBody& body)
-      : wrap(nullptr, body.getCollisionShape(), &body, body.getWorldTransform(), -1, -1),
-        side(wrap, nullptr) {}
+  explicit OneSide(const btRigidBody& body) : wrap(wrap_object(body)), side(wrap, nullptr) {}
 
   btCollisionObjectWrapper wrap;
   Side side;

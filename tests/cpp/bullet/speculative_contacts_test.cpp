@@ -109,7 +109,7 @@ TEST(SpeculativeContacts, AreCarriedBackToTheStart) {
   const Thrown thrown(world, add_plane(world), {0, 0, kBallRadius + 0.03}, {2, 0, -10});
   // As if the lowest point had been found touching after three tenths of the step.
   std::vector<Contact> contacts{{7, 0.0f, {0, 0, -0.1f}, {0, 0, 1}}};
-  carry_back(thrown.step, 0.3, contacts);
+  move_to_start(thrown.step, 0.3, contacts);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_NEAR(contacts[0].depth, -0.03, 1e-6);
   EXPECT_NEAR(contacts[0].normal.z, 1.0, 1e-6);

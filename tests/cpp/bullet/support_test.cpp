@@ -94,10 +94,10 @@ class Resting {
 TEST(PairStep, WhatIsCarriedDoesNotFall) {
   const Resting scene;
   const PairStep falls = scene.step(nullptr);
-  EXPECT_FALSE(falls.is_carried);
+  EXPECT_FALSE(falls.is_supported);
   EXPECT_GT(falls.farthest_displacement, 0.9 * kGravityOfStep * kStep);
   const PairStep lies = scene.step(&scene.of.support);
-  EXPECT_TRUE(lies.is_carried);
+  EXPECT_TRUE(lies.is_supported);
   EXPECT_LT(lies.farthest_displacement, 0.01 * kGravityOfStep * kStep);
   EXPECT_EQ(lies.margin, lies.rest_margin);
   EXPECT_FALSE(lies.uses_ccd);
@@ -106,7 +106,7 @@ TEST(PairStep, WhatIsCarriedDoesNotFall) {
 TEST(PairStep, WhatMovesIsNotCarried) {
   Resting scene;
   scene.cube.setLinearVelocity(btVector3(scalar(0.1), 0, 0));
-  EXPECT_FALSE(scene.step(&scene.of.support).is_carried);
+  EXPECT_FALSE(scene.step(&scene.of.support).is_supported);
 }
 
 TEST(PairStep, ABlowDoesNotCarry) {
@@ -119,7 +119,7 @@ TEST(PairStep, ABlowDoesNotCarry) {
   ASSERT_LT(std::abs(cube.getLinearVelocity().z()), 0.5);
   cube.setLinearVelocity(btVector3(0, 0, 0));
   cube.applyGravity();
-  EXPECT_FALSE(describe_step(bodies.pair, {}, kStep, 0.0, &of.support).is_carried);
+  EXPECT_FALSE(describe_step(bodies.pair, {}, kStep, 0.0, &of.support).is_supported);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ def rails(kind: str) -> vx.Compound | vx.Model:
     for half, middle in map(rail, (-1, 1)):
         bar = trimesh.creation.box(2 * np.array(half))
         bars.append(bar.apply_translation(middle))
-    return vx.Model.from_mesh(trimesh.util.concatenate(bars), cache=False)
+    return vx.Model.from_mesh(trimesh.util.concatenate(bars))
 
 
 def measure_acceleration(kind, drawer, rate, start):

@@ -39,7 +39,7 @@ TILES = {
 
 @cache
 def model(name: str) -> vx.Model:
-    return vx.Model.from_mesh(MESHES[name](), cache=False)
+    return vx.Model.from_mesh(MESHES[name]())
 
 
 def push(world: vx.World, rate: int, name: str, heading: float = 0.0):
@@ -149,7 +149,7 @@ def grate() -> vx.Model:
     plate = rectangle(-0.52, -0.2, 0.52, 0.2)
     for x in np.arange(-0.44, 0.5, 0.08):
         plate = plate.difference(rectangle(x - 0.01, -0.15, x + 0.01, 0.15))
-    return vx.Model.from_mesh(extrude_polygon(plate, 0.01), cache=False)
+    return vx.Model.from_mesh(extrude_polygon(plate, 0.01))
 
 
 # They kept -0.2 to 0.6 of the way.
@@ -179,7 +179,7 @@ def wedge(angle: float) -> vx.Model:
     """It rises from the origin along x."""
     corners = [(0, 0), (0.3, 0.3 * math.tan(angle)), (0.3, -0.04), (0, -0.04)]
     points = [(x, y, z) for y in (-0.2, 0.2) for x, z in corners]
-    return vx.Model.from_mesh(convex_hull(points), cache=False)
+    return vx.Model.from_mesh(convex_hull(points))
 
 
 @pytest.mark.parametrize("rate", [1000, 200, 60])
@@ -188,7 +188,7 @@ def test_a_cube_climbs_a_gentle_ramp_of_another_body(shape, rate):
     angle = math.radians(5)
     world = vx.World(time_step=1 / rate)
     world.add(wedge(angle), mass=0, friction=0)
-    floor = vx.Model.from_mesh(box((0.5, 0.4, 0.04)), cache=False)
+    floor = vx.Model.from_mesh(box((0.5, 0.4, 0.04)))
     world.add(floor, mass=0, friction=0, pose=(-0.25, 0, -0.02))
     half = np.array((0.03, 0.03, 0.03))
     cube = vx.Box(half) if shape == "box" else box(2 * half)
@@ -208,7 +208,7 @@ def test_a_cube_climbs_a_gentle_ramp_of_another_body(shape, rate):
 def test_a_low_step_stops_a_cube_on_a_plane(height, shape, rate):
     world = vx.World(time_step=1 / rate)
     world.add(vx.Plane(), mass=0, friction=0)
-    step = vx.Model.from_mesh(box((0.4, 0.5, 0.04 + height)), cache=False)
+    step = vx.Model.from_mesh(box((0.4, 0.5, 0.04 + height)))
     world.add(step, mass=0, friction=0, pose=(0.3, 0, height / 2 - 0.02))
     cube = vx.Box((0.05, 0.05, 0.05)) if shape == "box" else model("cube")
     body = world.add(cube, mass=1, friction=0, pose=(0, 0, 0.05))
@@ -223,9 +223,9 @@ def test_a_low_step_stops_a_cube_on_a_plane(height, shape, rate):
 @pytest.mark.parametrize("x", [-0.4, -0.3, -0.123])
 def test_a_block_slides_along_the_edge_that_it_overhangs(x, rate):
     world = vx.World(time_step=1 / rate)
-    table = vx.Model.from_mesh(box((2.0, 1.0, 0.1)), cache=False)
+    table = vx.Model.from_mesh(box((2.0, 1.0, 0.1)))
     world.add(table, mass=0, pose=(0, -0.5, -0.05), friction=1)
-    block = vx.Model.from_mesh(box((0.1, 0.1, 0.04)), cache=False)
+    block = vx.Model.from_mesh(box((0.1, 0.1, 0.04)))
     body = world.add(block, mass=1, pose=(x, -0.03, 0.02), friction=0.2)
     world.step(round(0.3 * rate))
     steps = round(0.3 * rate)
@@ -266,7 +266,7 @@ def test_bodies_slide_along_the_corner_of_two_flush_channels(kind, rate, speed):
     mesh = extrude_polygon(Polygon(section), 0.6)
     mesh.apply_translation((0, 0, -0.3))
     mesh.apply_transform([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-    channel = vx.Model.from_mesh(mesh, cache=False)
+    channel = vx.Model.from_mesh(mesh)
     rng = np.random.default_rng(5)
     for side in (-1, 1, -1, 1):
         rolled = vx.pose(euler=(0, 0, rng.uniform(0, 2 * math.pi))) @ vx.pose(

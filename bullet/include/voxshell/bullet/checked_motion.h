@@ -86,7 +86,7 @@ class CheckedMotion {
   static bool is_faster(const Checked& checked, btScalar time_step);
   bool is_unfinished(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                      const btDispatcherInfo& info, CoulombSolver* solver);
-  void carry_on(btScalar time_step, CoulombSolver* solver);
+  void continue_from_last(btScalar time_step, CoulombSolver* solver);
   void find_stopped(btScalar time_step);
   bool find_turned(btBroadphaseInterface& broadphase, btDispatcher& dispatcher,
                    const btDispatcherInfo& info);
@@ -95,7 +95,7 @@ class CheckedMotion {
   std::vector<Stopped> stopped_;
   std::vector<btRigidBody*> faster_;  ///< bodies that the solver made fast
   std::vector<btRigidBody*> faster_by_address_;
-  std::vector<const btRigidBody*> carried_;  ///< those that begin the next solution with blows
+  std::vector<const btRigidBody*> continued_;  ///< those that begin the next solution with blows
   std::unique_ptr<Blows> blows_;
   std::unique_ptr<SolvedMotionSearch> search_;
   std::unique_ptr<StepEnd> step_end_;

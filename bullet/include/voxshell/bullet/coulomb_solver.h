@@ -58,11 +58,11 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   /// Between these two calls, a step may be solved several times.
   void begin_step();
   void end_step();
-  /// Lets joints of bodies, ascending by address, carry on in the next solution of the step. These
+  /// Lets joints of bodies, ascending by address, continue in the next solution of the step. These
   /// bodies begin it with the velocities that the last one gave them, so rows of their joints add
   /// to the impulses that they gave in it: a motor's limit and what a spring gives are for the
   /// step.
-  void carry_on(std::span<const btRigidBody* const> bodies);
+  void continue_from_last(std::span<const btRigidBody* const> bodies);
 
  protected:
   void solveGroupCacheFriendlySplitImpulseIterations(
@@ -105,7 +105,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   SolverPools pools();
   void shuffle(btAlignedObjectArray<int>& order);
   void complete_rows(btConstraintArray& rows) const;
-  void start_from_carried();
+  void start_from_last();
   void release_anchors(btPersistentManifold** manifolds, int manifold_count) const;
   void move_surfaces();
   void aim_at_middle_of_step(btScalar time_step);
@@ -124,7 +124,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   std::map<const btCollisionObject*, btVector3> surface_velocities_;  ///< m/s, in bodies' frames
   bool is_in_step_ = false;
   std::vector<JointRow> joint_rows_;            ///< of the last solution, as they were solved
-  std::vector<JointRow> carried_;               ///< that the next one adds to, by joint
+  std::vector<JointRow> continued_;             ///< that the next one adds to, by joint
   std::vector<btScalar> given_;                 ///< of these by each joint row of an island
   std::unique_ptr<IslandProblem> problem_;      ///< kept for its memory
   std::unique_ptr<SolverState> best_;           ///< kept for its memory

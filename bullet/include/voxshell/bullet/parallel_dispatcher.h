@@ -30,7 +30,7 @@ class ParallelDispatcher : public btCollisionDispatcher {
   unsigned threads() const { return threads_; }
   /// Seconds that the last dispatch spent on several threads.
   double parallel_seconds() const { return parallel_seconds_; }
-  /// What carried the bodies in the last step, from the start of a dispatch on.
+  /// What supported the bodies in the last step, from the start of a dispatch on.
   const Support& support() const { return *support_; }
 
  private:

@@ -8,15 +8,14 @@
 #include "posed_pair.h"
 #include "support/world.h"
 #include "voxshell/contacts.h"
+#include "wrap_object.h"
 
 namespace voxshell::bullet::test_support {
 
 /// Two bodies of a world as a pair that is about to step.
 struct TwoBodies {
   TwoBodies(const btRigidBody& a, const btRigidBody& b, ShellRule rule = ShellRule::kAutomatic)
-      : wrap_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1),
-        wrap_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1),
-        pair(wrap_a, wrap_b, nullptr, rule) {}
+      : wrap_a(wrap_object(a)), wrap_b(wrap_object(b)), pair(wrap_a, wrap_b, nullptr, rule) {}
 
   PairStep step(double time_step = 1.0 / 200.0, const ContactSettings& settings = {}) const {
     return describe_step(pair, settings, time_step, 0.0);

@@ -7,7 +7,7 @@
 namespace voxshell::bullet {
 
 /// A place at which a contact pushes, or may push, a body.
-struct CarryingPlace {
+struct SupportingPlace {
   Vec3 place;   ///< meters
   Vec3 normal;  ///< unit length
   double impulse;
@@ -15,14 +15,14 @@ struct CarryingPlace {
 
 /// Places at which contacts pushed in the last step, and at which they may push in this one, in one
 /// frame. Decision 59.
-struct CarryingPlaces {
-  std::vector<CarryingPlace> before;
-  std::vector<CarryingPlace> now;
+struct SupportingPlaces {
+  std::vector<SupportingPlace> before;
+  std::vector<SupportingPlace> now;
 
   /// Whether places of now span the middle of those before, weighted by their impulses, or lie
   /// within `aside` meters of it; for each direction of the impulses, up to a fraction of their
   /// sum. Empties `before`.
-  bool can_carry_on(double aside);
+  bool can_support(double aside);
 };
 
 }  // namespace voxshell::bullet

@@ -1,4 +1,4 @@
-#include "carrying_places.h"
+#include "supporting_places.h"
 
 #include <algorithm>
 #include <optional>
@@ -28,10 +28,10 @@ bool holds_origin(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& norma
 
 /// The place, as seen from `middle` along its normal, that is farthest against `direction` of those
 /// whose normals are near that of `middle`.
-std::optional<Vec3> find_farthest(std::span<const CarryingPlace> places,
-                                  const CarryingPlace& middle, const Vec3& direction) {
+std::optional<Vec3> find_farthest(std::span<const SupportingPlace> places,
+                                  const SupportingPlace& middle, const Vec3& direction) {
   std::optional<Vec3> farthest;
-  for (const CarryingPlace& place : places) {
+  for (const SupportingPlace& place : places) {
     if (dot(place.normal, middle.normal) < static_cast<double>(kDoubleCosine)) continue;
     const Vec3 offset = place.place - middle.place;
     const Vec3 beside = offset - dot(offset, middle.normal) * middle.normal;
@@ -42,7 +42,7 @@ std::optional<Vec3> find_farthest(std::span<const CarryingPlace> places,
 
 /// Whether the convex hull of these places comes within `aside` of the middle. A line between two
 /// of its corners moves toward the middle, as in the algorithm of Gilbert, Johnson and Keerthi.
-bool spans(std::span<const CarryingPlace> places, const CarryingPlace& middle, double aside) {
+bool spans(std::span<const SupportingPlace> places, const SupportingPlace& middle, double aside) {
   std::optional<Vec3> a = find_farthest(places, middle, {});
   if (!a) return false;
   Vec3 b = *a;
@@ -65,18 +65,18 @@ bool spans(std::span<const CarryingPlace> places, const CarryingPlace& middle, d
 
 }  // namespace
 
-bool CarryingPlaces::can_carry_on(double aside) {
+bool SupportingPlaces::can_support(double aside) {
   double all = 0.0;
-  for (const CarryingPlace& place : before) all += place.impulse;
+  for (const SupportingPlace& place : before) all += place.impulse;
   while (!before.empty()) {
-    CarryingPlace middle{{}, before.back().normal, 0.0};
-    std::erase_if(before, [&](const CarryingPlace& place) {
+    SupportingPlace middle{{}, before.back().normal, 0.0};
+    std::erase_if(before, [&](const SupportingPlace& place) {
       if (dot(place.normal, middle.normal) < static_cast<double>(kDoubleCosine)) return false;
       middle.place = middle.place + place.impulse * place.place;
       middle.impulse += place.impulse;
       return true;
     });
-    if (!(middle.impulse > kCarriedWithin * all)) continue;
+    if (!(middle.impulse > kSupportedWithin * all)) continue;
     middle.place = (1.0 / middle.impulse) * middle.place;
     if (!spans(now, middle, aside)) return false;
   }
