@@ -171,6 +171,11 @@ Joint::Joint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& 
     }
     constraint_ = std::move(axes);
   }
+  // Bullet leaves it as it is until the first step has been solved.
+  for (btVector3* const each : {&feedback_.m_appliedForceBodyA, &feedback_.m_appliedTorqueBodyA,
+                                &feedback_.m_appliedForceBodyB, &feedback_.m_appliedTorqueBodyB}) {
+    each->setZero();
+  }
   constraint_->setJointFeedback(&feedback_);
   position_ = has_axis() ? raw_position() : 0.0;
 }

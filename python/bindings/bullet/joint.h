@@ -121,7 +121,7 @@ class Joint {
   btTransform child_from_joint_;
   std::unique_ptr<btTypedConstraint> constraint_;
   AxesConstraint* axes_ = nullptr;  ///< for all kinds but kPoint
-  btJointFeedback feedback_{};
+  btJointFeedback feedback_;
   double position_ = 0.0;  ///< after the last step
 };
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import voxshell as vx
@@ -62,3 +66,29 @@ def test_it_swings_as_fast_as_in_short_steps(rate, within):
     times = (crossings + x[crossings] / (x[crossings] - x[crossings + 1])) / rate
     assert np.diff(times).mean() == pytest.approx(0.9402, rel=within)  # at 4000 Hz
     assert np.linalg.norm(weight.position) == pytest.approx(LENGTH * (LINKS + 1), abs=5e-4)
+
+
+FIRST_STEP = """
+import math, voxshell as vx
+for _ in range(20):
+    world = vx.World()
+    box = world.add(vx.Box((0.2, 0.02, 0.02)), mass=0.2)
+    joint = world.add_joint(vx.HingeJoint(axis=(0, 0, 1), limits=(-math.pi, math.pi)), None, box)
+    joint.set_target_velocity(5.0, max_force=200.0)
+    world.step()
+    print(joint.velocity, joint.position)
+"""
+
+
+def test_the_first_step_of_a_joint_does_not_depend_on_what_memory_held():
+    runs = {
+        subprocess.run(
+            [sys.executable, "-c", FIRST_STEP],
+            env={**os.environ, "MALLOC_PERTURB_": str(junk)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for junk in (1, 64, 200)
+    }
+    assert len(runs) == 1

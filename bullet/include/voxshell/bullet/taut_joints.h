@@ -18,7 +18,7 @@ namespace voxshell::bullet {
 /// stiffness for real-time constrained multibody dynamics). Decision 72.
 ///
 /// The tension is that of the last step, which a joint's feedback has: joints without one are left
-/// out.
+/// out. Set a feedback's vectors to zero when you make it: Bullet's constructor does not.
 class TautJoints {
  public:
   /// Raises inertias where needed. Call it before the solver.
