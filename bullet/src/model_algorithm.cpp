@@ -440,8 +440,8 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
     if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
   }
   // A blow has contacts on a hundred segments, rest on four: islands and solvers go through empty
-  // manifolds, too.
-  release_idle();
+  // manifolds, too. While contacts come and go, manifolds keep their places in the solver's order.
+  if (!step.uses_ccd) release_idle();
 }
 
 /// Those of its contacts that each of active_ is to hold.

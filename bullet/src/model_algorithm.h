@@ -108,7 +108,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::vector<Contact> chosen_;              ///< those that were found and are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step
-  std::vector<btPersistentManifold*> idle_;  ///< empty ones, for other segments of this step
+  std::vector<btPersistentManifold*> idle_;  ///< empty ones, for other segments
 };
 
 }  // namespace voxshell::bullet
