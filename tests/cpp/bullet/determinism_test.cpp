@@ -150,8 +150,8 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
        {0xe7fd99276e0f9190, 0x33ada669a1c759f7, 0xc6dd7c067a6a5340, 0xf7974d635a56d715,
         0x66cf3555283ce5b8, 0x0d79cc246025b4c5}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xa41de9d41f55320a, 0xdfd9f27a33841117, 0xc9e774b227c1c724, 0xe40f4d6c8f083cb3,
-        0xb167cd80f7bb709a, 0xdd05dc49e1875543}},
+       {0xfecfe21d566a141b, 0xf2bb44259cad30ff, 0x5fa778bc1f212b87, 0x97c157e96b6747fb,
+        0x4785e6dceffe87da, 0xd464ff86deff3802}},
   };
   return hashes;
 }
