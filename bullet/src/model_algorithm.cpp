@@ -95,12 +95,8 @@ ModelAlgorithm::~ModelAlgorithm() { release_manifolds(); }
 
 void ModelAlgorithm::release_manifolds() {
   for (const SegmentManifold& entry : active_) m_dispatcher->releaseManifold(entry.manifold);
-  active_.clear();
-  release_idle();
-}
-
-void ModelAlgorithm::release_idle() {
   for (btPersistentManifold* manifold : idle_) m_dispatcher->releaseManifold(manifold);
+  active_.clear();
   idle_.clear();
 }
 
@@ -439,9 +435,6 @@ void ModelAlgorithm::assign_manifolds(const PairStep& step, bool is_regular) {
   for (SegmentManifold& entry : active_) {
     if (entry.manifold == nullptr) entry.manifold = take_manifold(pair);
   }
-  // A blow has contacts on a hundred segments, rest on four: islands and solvers go through empty
-  // manifolds, too. While contacts come and go, manifolds keep their places in the solver's order.
-  if (!step.uses_ccd) release_idle();
 }
 
 /// Those of its contacts that each of active_ is to hold.

@@ -94,7 +94,6 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   void choose_points(const PairStep& step, bool keeps_contacts);
   void fill(const PairStep& step, const StepContacts& of_step);
   btPersistentManifold* take_manifold(const PosedPair& pair);
-  void release_idle();
 
   const ContactSettings& settings_;
   Purpose purpose_;
@@ -108,7 +107,7 @@ class ModelAlgorithm : public btCollisionAlgorithm {
   std::vector<Contact> chosen_;              ///< those that were found and are in manifolds
   std::vector<SegmentManifold> active_;      ///< ascending by segment; the manifolds with points
   std::vector<SegmentManifold> next_;        ///< the same, of this step
-  std::vector<btPersistentManifold*> idle_;  ///< empty ones, for other segments
+  std::vector<btPersistentManifold*> idle_;  ///< empty ones, kept for later steps
 };
 
 }  // namespace voxshell::bullet
