@@ -150,8 +150,8 @@ const std::map<std::string, std::array<std::uint64_t, std::size(kScenes)>>& gold
        {0xdb99e7c8362ffc61, 0xac5e2fc76e45e05d, 0xa53b213e768f776b, 0xf7974d635a56d715,
         0x07a1816247ba4382, 0x380934163db0e99d}},
       {"Bullet 324 double, glibc 2.36, x86-64 with FMA",
-       {0xfecfe21d566a141b, 0xf2bb44259cad30ff, 0x5fa778bc1f212b87, 0x97c157e96b6747fb,
-        0x4785e6dceffe87da, 0xd464ff86deff3802}},
+       {0x27fda438475f0d1c, 0x4c91c6af888d05cd, 0x37e525e4b0402690, 0x97c157e96b6747fb,
+        0x8610aec1f68e2e95, 0x480c72279ef74fae}},
   };
   return hashes;
 }
