@@ -102,7 +102,6 @@ std::optional<Contact> find_piercing(const PosedPair& pair, const Pose& field_fr
   if (!core) return std::nullopt;
   const Pose model_from_shape = field_from_shell.inverse();
   const GridField& field = model->grid();
-  // A place of the segment that is not inside is on the shape's surface with its ball.
   Deepest deepest(field, model_from_shape.transform_point(core->from),
                   model_from_shape.transform_point(core->to), tolerance);
   deepest.look(0.0, 1.0);

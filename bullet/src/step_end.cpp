@@ -127,8 +127,8 @@ bool have_normal_of(const Overlap& place, const btManifoldArray& manifolds) {
   return have;
 }
 
-/// How fast turning brings two bodies together or apart at a place, m/s. Nothing where the place of
-/// a round body is.
+/// How fast turning brings two bodies together or apart at a place, m/s. It is 0 where a round body
+/// touches.
 btScalar closing_by_turning(const Posed& a, const Posed& b, const btVector3& place,
                             const btVector3& normal) {
   return btFabs(normal.dot(a.turning_at(place) - b.turning_at(place)));
@@ -235,7 +235,7 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
   if (!have_normal_of(deepest, manifolds_)) {
     const btScalar of_unturned =
         find_overlaps(unturned(end_a), unturned(end_b), dispatcher, info).deepest();
-    if (btFabs(overlaps.deepest() - of_unturned) <
+    if (btFabs(deepest.distance - of_unturned) <
         std::min(static_cast<btScalar>(kLeastByTurning) * depth,
                  static_cast<btScalar>(kLeastByTurningOfSize) * size)) {
       return false;

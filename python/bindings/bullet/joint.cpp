@@ -171,7 +171,7 @@ Joint::Joint(const JointSettings& settings, bool solves_soft_rows, btRigidBody& 
     }
     constraint_ = std::move(axes);
   }
-  // Bullet leaves it as it is until the first step has been solved.
+  // Bullet's constructor does not, and the first step reads it before it is solved.
   for (btVector3* const each : {&feedback_.m_appliedForceBodyA, &feedback_.m_appliedTorqueBodyA,
                                 &feedback_.m_appliedForceBodyB, &feedback_.m_appliedTorqueBodyB}) {
     each->setZero();

@@ -42,10 +42,10 @@ def test_bodies_that_a_blow_turns_stay_out_of_the_ground(rate: int):
     assert np.median(depths) < 4e-4
 
 
-@pytest.mark.parametrize("rate", [200, 60, 30])
-def test_bodies_that_would_be_as_deep_without_turning_stay_out_of_flat_ground(rate: int):
-    # At 60 Hz, 2.2 and 3.8 mm in two of them while only a change of the depth counted.
-    assert max(land_ellipsoid(rate, 0.3, placement) for placement in (2, 6, 13, 14)) < 1e-3
+@pytest.mark.parametrize("placement", [2, 13])
+def test_bodies_that_would_be_as_deep_without_turning_stay_out_of_flat_ground(placement: int):
+    # 2.2 and 3.8 mm while only a change of the depth counted.
+    assert land_ellipsoid(60, 0.3, placement) < 1e-3
 
 
 @pytest.mark.parametrize("rate", [1000, 200, 60])
