@@ -8,6 +8,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include "braced_contacts.h"
+#include "conjugate_sweeps.h"
 #include "island_problem.h"
 #include "solver_constants.h"
 #include "squeezed_contacts.h"
@@ -48,6 +49,7 @@ bool is_empty(const btSolverConstraint& row) { return btScalar(row.m_appliedImpu
 CoulombSolver::CoulombSolver(SolverEffort effort)
     : effort_(effort),
       problem_(std::make_unique<IslandProblem>()),
+      conjugate_(std::make_unique<ConjugateSweeps>()),
       best_(std::make_unique<SolverState>()),
       of_newton_(std::make_unique<SolverState>()),
       squeezed_(std::make_unique<SqueezedContacts>()),
@@ -299,7 +301,15 @@ void CoulombSolver::solve_as_needed(const Sweep& sweep, const btContactSolverInf
   braced_->soften(pools(), info);
   if (problem_->prepare(pools()) && solve_by_newton(sweep, converged, reference)) return;
   // Numbers of iterations stay below m_numIterations, from which on only joints are solved.
-  for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
+  if (problem_->is_small()) {
+    for (int i = least; i < kMostSweeps && residual > converged; ++i) residual = sweep(0);
+    return;
+  }
+  conjugate_->begin(pools());
+  for (int i = least; i < kMostSweepsOfMany; ++i) {
+    if (i > least) conjugate_->go_on(pools());
+    if (sweep(0) <= converged) return;
+  }
 }
 
 /// @return Whether the island is solved. If not, it is as near to it as any round has brought it.

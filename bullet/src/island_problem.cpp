@@ -28,13 +28,6 @@ double per_unit_impulse(btScalar value, const btSolverConstraint& row) {
   return row.m_jacDiagABInv > 0 ? static_cast<double>(value / row.m_jacDiagABInv) : 0.0;
 }
 
-template <class Visit>
-void for_each_row(const SolverPools& pools, const Visit& visit) {
-  for (btConstraintArray* rows : {pools.joints, pools.contacts, pools.friction, pools.rolling}) {
-    for (int i = 0; i < rows->size(); ++i) visit((*rows)[i]);
-  }
-}
-
 void change_impulse(const SolverPools& pools, btSolverConstraint& row, btScalar impulse) {
   set_impulse(row, (*pools.bodies)[row.m_solverBodyIdA], (*pools.bodies)[row.m_solverBodyIdB],
               impulse);
@@ -44,6 +37,10 @@ void change_impulse(const SolverPools& pools, btSolverConstraint& row, btScalar 
 
 bool can_move(const btSolverBody& body) {
   return body.m_originalBody != nullptr && body.m_originalBody->getInvMass() > 0;
+}
+
+AddedVelocity added_velocity(const btSolverBody& body) {
+  return {body.getDeltaLinearVelocity(), body.getDeltaAngularVelocity()};
 }
 
 btScalar added_velocity(const btSolverConstraint& row, const btSolverBody& a,
@@ -73,8 +70,7 @@ void SolverState::read(const SolverPools& pools) {
   });
   velocities_.clear();
   for (int i = 0; i < pools.bodies->size(); ++i) {
-    const btSolverBody& body = (*pools.bodies)[i];
-    velocities_.push_back({body.getDeltaLinearVelocity(), body.getDeltaAngularVelocity()});
+    velocities_.push_back(added_velocity((*pools.bodies)[i]));
   }
 }
 

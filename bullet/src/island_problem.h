@@ -19,6 +19,20 @@ struct SolverPools {
   btConstraintArray* rolling;
 };
 
+/// What impulses have added to a body's velocity.
+struct AddedVelocity {
+  btVector3 linear;   ///< m/s
+  btVector3 angular;  ///< rad/s
+};
+AddedVelocity added_velocity(const btSolverBody& body);
+
+template <class Visit>
+void for_each_row(const SolverPools& pools, const Visit& visit) {
+  for (btConstraintArray* rows : {pools.joints, pools.contacts, pools.friction, pools.rolling}) {
+    for (int i = 0; i < rows->size(); ++i) visit((*rows)[i]);
+  }
+}
+
 /// Whether impulses change the body's velocity.
 bool can_move(const btSolverBody& body);
 
@@ -41,12 +55,8 @@ class SolverState {
   void write(const SolverPools& pools) const;
 
  private:
-  struct Velocity {
-    btVector3 linear;   ///< m/s
-    btVector3 angular;  ///< rad/s
-  };
-  std::vector<btScalar> impulses_;    ///< of the rows, N s
-  std::vector<Velocity> velocities_;  ///< added, of the bodies
+  std::vector<btScalar> impulses_;         ///< of the rows, N s
+  std::vector<AddedVelocity> velocities_;  ///< of the bodies
 };
 
 /// Bullet's rows of an island as VelocityNewton takes them.

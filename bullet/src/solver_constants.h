@@ -80,8 +80,12 @@ inline constexpr std::size_t kFewBodies = 12;
 /// An error is small if it is at most this fraction of the velocity that forces give a body.
 inline constexpr double kSmallOfForces = 0.1;
 /// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
-/// sooner. Smaller: heaps sag.
+/// sooner. Smaller: stacks of few bodies sag.
 inline constexpr int kMostSweeps = 50;
+/// The same of islands of more than `kFewBodies`, whose sweeps follow conjugate directions. Smaller:
+/// heaps and walls creep, so that contacts are searched for again. Larger: heaps that tumble cost
+/// more.
+inline constexpr int kMostSweepsOfMany = 100;
 /// Bodies that joints pull on follow a swing if their inertia is at least this fraction of the
 /// geometric stiffness times the squared time step. Smaller: hanging chains fly apart, those with
 /// 50 kg at a quarter. Larger: light links swing slower than they should.

@@ -199,7 +199,7 @@ def test_worlds(tmp_path: Path):
 
 def test_live_view():
     world = vx.World()
-    view: vx.LiveView = world.view(port=0, paused=True, speed=2.0)
+    view: vx.LiveView = world.view(port=0, paused=True, speed=2.0, wait=0.0)
     with view:
         address: str = view.address
         assert address.startswith("http://")

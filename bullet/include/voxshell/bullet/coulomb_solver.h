@@ -11,6 +11,7 @@ namespace voxshell::bullet {
 
 class BracedContacts;
 class IslandProblem;
+class ConjugateSweeps;
 class SolverState;
 class SqueezedContacts;
 struct SolverPools;
@@ -127,6 +128,7 @@ class CoulombSolver : public btSequentialImpulseConstraintSolver {
   std::vector<JointRow> continued_;             ///< that the next one adds to, by joint
   std::vector<btScalar> given_;                 ///< of these by each joint row of an island
   std::unique_ptr<IslandProblem> problem_;      ///< kept for its memory
+  std::unique_ptr<ConjugateSweeps> conjugate_;  ///< kept for its memory
   std::unique_ptr<SolverState> best_;           ///< kept for its memory
   std::unique_ptr<SolverState> of_newton_;      ///< before sweeps; the same
   std::unique_ptr<SqueezedContacts> squeezed_;  ///< kept for its memory

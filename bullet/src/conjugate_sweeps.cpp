@@ -1,0 +1,77 @@
+#include "conjugate_sweeps.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace voxshell::bullet {
+
+void ConjugateSweeps::begin(const SolverPools& pools) {
+  impulses_.clear();
+  for_each_row(pools, [&](const btSolverConstraint& row) {
+    impulses_.push_back(btScalar(row.m_appliedImpulse));
+  });
+  velocities_.clear();
+  for (int i = 0; i < pools.bodies->size(); ++i) {
+    velocities_.push_back(added_velocity((*pools.bodies)[i]));
+  }
+  change_.assign(impulses_.size(), 0);
+  direction_.assign(impulses_.size(), 0);
+  velocity_change_.assign(velocities_.size(), {{0, 0, 0}, {0, 0, 0}});
+  velocity_direction_.assign(velocities_.size(), {{0, 0, 0}, {0, 0, 0}});
+  last_ = 0.0;
+}
+
+/// Stores what the sweep has changed.
+///
+/// @return Its squared length, J: that of each impulse is over the mass that it acts on.
+double ConjugateSweeps::find_change(const SolverPools& pools) {
+  double squared = 0.0;
+  std::size_t i = 0;
+  for_each_row(pools, [&](const btSolverConstraint& row) {
+    const btScalar change = btScalar(row.m_appliedImpulse) - impulses_[i];
+    change_[i++] = change;
+    if (row.m_jacDiagABInv > 0) {
+      squared += static_cast<double>(change) * static_cast<double>(change / row.m_jacDiagABInv);
+    }
+  });
+  for (int b = 0; b < pools.bodies->size(); ++b) {
+    const auto at = static_cast<std::size_t>(b);
+    const AddedVelocity now = added_velocity((*pools.bodies)[b]);
+    velocity_change_[at] = {now.linear - velocities_[at].linear,
+                            now.angular - velocities_[at].angular};
+  }
+  return squared;
+}
+
+/// Goes on by `factor` times the last direction. The next one is that and the sweep's change.
+void ConjugateSweeps::move(const SolverPools& pools, btScalar factor) {
+  std::size_t i = 0;
+  for_each_row(pools, [&](btSolverConstraint& row) {
+    const btScalar along = factor * direction_[i];
+    row.m_appliedImpulse = btScalar(row.m_appliedImpulse) + along;
+    impulses_[i] = btScalar(row.m_appliedImpulse);
+    direction_[i] = along + change_[i];
+    ++i;
+  });
+  for (int b = 0; b < pools.bodies->size(); ++b) {
+    btSolverBody& body = (*pools.bodies)[b];
+    const auto at = static_cast<std::size_t>(b);
+    AddedVelocity& direction = velocity_direction_[at];
+    const AddedVelocity along{factor * direction.linear, factor * direction.angular};
+    body.internalGetDeltaLinearVelocity() += along.linear;
+    body.internalGetDeltaAngularVelocity() += along.angular;
+    velocities_[at] = added_velocity(body);
+    direction = {along.linear + velocity_change_[at].linear,
+                 along.angular + velocity_change_[at].angular};
+  }
+}
+
+void ConjugateSweeps::go_on(const SolverPools& pools) {
+  const double squared = find_change(pools);
+  // Where sweeps change more than before, the directions are of other contacts.
+  const bool gets_nearer = squared < last_;
+  move(pools, gets_nearer ? static_cast<btScalar>(squared / last_) : btScalar(0));
+  last_ = squared;
+}
+
+}  // namespace voxshell::bullet
