@@ -71,13 +71,12 @@ class SlidingPlace {
     const auto reached = advance(path_of(place_.position).length(), step_.touching_gap(), steps,
                                  [&](double fraction) { return clearance_after(fraction); });
     if (!reached || !met_) return std::nullopt;
-    const double most = std::max(step_.touching_gap(), kSameOfRadius * step_.ball.radius);
-    return met_->gap <= most ? met_ : std::nullopt;
+    return met_->gap <= same_gap() ? met_ : std::nullopt;
   }
 
   /// How much nearer they come to each other until the end of the step, if they go on as now along
-  /// each other.
-  std::optional<double> find_turn() {
+  /// each other from a contact with that gap.
+  std::optional<double> find_turn(double gap) {
     const Vec3 way = (body_.is_shell ? 1.0 : -1.0) * displacement_of_centers(step_);
     within_ = std::min(kSlidesWithin, kSlidesWithinOfTurn * length(way) / step_.ball.radius);
     const bool is_smaller = body_.is_shell != is_shell_larger(step_);
@@ -85,12 +84,15 @@ class SlidingPlace {
     const bool may_turn = angle >= kLeastOwnTurn || !is_smaller || rises_along(way);
     if (!may_turn) return std::nullopt;
     const auto now = settle(0.0);
-    if (!now) return std::nullopt;
+    // Elsewhere it is not the contact's place.
+    if (!now || std::abs(now->gap - gap) > same_gap()) return std::nullopt;
     const auto half = settle(0.5);
     if (!half) return std::nullopt;
     const auto then = settle(1.0);
     if (!then || dot(now->outwards, then->outwards) < kLeastCosineOfTurn) return std::nullopt;
     const double turn = now->gap - then->gap;
+    // Nothing comes nearer by more than it moves.
+    if (turn > step_.farthest_displacement) return std::nullopt;
     // A quarter of it in the first half of the step. What comes nearer all at once is another wall.
     const double of_half = now->gap - half->gap;
     if (std::abs(4.0 * of_half - turn) > kUnevenTurn * std::abs(turn)) return std::nullopt;
@@ -134,6 +136,11 @@ class SlidingPlace {
  private:
   static const Side& other_side(const PairStep& step, const RoundBody& body) {
     return body.is_shell ? step.pair->field_side() : step.pair->shell_side();
+  }
+
+  /// Gaps that differ by less are of one place.
+  double same_gap() const {
+    return std::max(step_.touching_gap(), kSameOfRadius * step_.ball.radius);
   }
 
   Path path_of(const Vec3& own_place) const {
@@ -218,11 +225,11 @@ std::optional<double> find_turn(const PairStep& step, const Contact& contact) {
   const auto body = find_round(step, contact);
   if (!body) return std::nullopt;
   // As the solver has them move at this contact, whose normal need not be quite true.
+  const Impact impact = impact_of(step, contact);
   RelativeMotion along = step.motion;
-  along.velocity =
-      along.velocity + impact_of(step, contact).approach * static_cast<Vec3>(contact.normal);
+  along.velocity = along.velocity + impact.approach * static_cast<Vec3>(contact.normal);
   along.velocity_of_fall = {};
-  return SlidingPlace(step, along, *body).find_turn();
+  return SlidingPlace(step, along, *body).find_turn(impact.gap);
 }
 
 }  // namespace voxshell::bullet

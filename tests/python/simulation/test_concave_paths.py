@@ -191,3 +191,29 @@ def test_marbles_run_around_in_a_groove(
         body = world.add(rolling, mass=0.01, pose=pose, friction=0)
         body.linear_velocity = (-speed * out[1], speed * out[0], 0)
         assert least < spin_left(world, body, 1.0) < 1.01
+
+
+def test_a_blow_beside_a_hole_gains_no_energy():
+    """A contact was taken to turn as fast as places of the other side of the torus, at 19 m/s."""
+    rng = np.random.default_rng(1016)
+    torus = vx.Model.from_mesh(trimesh.creation.torus(0.05, 0.015))
+    cylinder = vx.Model.from_mesh(trimesh.creation.cylinder(0.03, 0.1, sections=40))
+    reach = sum(np.linalg.norm(model.bounds, axis=1).max() for model in (torus, cylinder))
+    aside = rng.uniform(-0.3, 0.3, 2) * reach
+    turns = [rng.normal(size=4) for _ in range(2)]
+    world = vx.World(1e-3, gravity=(0, 0, 0))
+    for shape, x, offset, mass, speed, turn in (
+        (torus, -0.5 * reach - 0.01, (0, 0), 0.3, 1.0, turns[0]),
+        (cylinder, 0.5 * reach + 0.01, aside, 0.5, -0.5, turns[1]),
+    ):
+        pose = vx.pose((x, *offset), xyzw=turn / np.linalg.norm(turn))
+        body = world.add(shape, mass=mass, pose=pose, friction=0)
+        body.linear_velocity = (speed, 0, 0)
+        body.angular_velocity = 5.0 * rng.normal(size=3)
+    energy = before = sum(body.kinetic_energy for body in world.bodies)
+    for _ in range(300):
+        world.step()
+        after = sum(body.kinetic_energy for body in world.bodies)
+        assert after <= energy * (1.0 + 1e-9)
+        energy = after
+    assert energy < 0.9 * before
