@@ -82,9 +82,9 @@ inline constexpr double kSmallOfForces = 0.1;
 /// Sweeps of islands that Newton's method is not for or has not solved, unless they converge
 /// sooner. Smaller: stacks of few bodies sag.
 inline constexpr int kMostSweeps = 50;
-/// The same of islands of more than `kFewBodies`, whose sweeps follow conjugate directions. Smaller:
-/// heaps and walls creep, so that contacts are searched for again. Larger: heaps that tumble cost
-/// more.
+/// The same of islands of more than `kFewBodies`, whose sweeps follow conjugate directions.
+/// Smaller: heaps and walls creep, so that contacts are searched for again. Larger: heaps that
+/// tumble cost more.
 inline constexpr int kMostSweepsOfMany = 100;
 /// Bodies that joints pull on follow a swing if their inertia is at least this fraction of the
 /// geometric stiffness times the squared time step. Smaller: hanging chains fly apart, those with
