@@ -1,6 +1,5 @@
 #include "conjugate_sweeps.h"
 
-#include <algorithm>
 #include <cstddef>
 
 namespace voxshell::bullet {

@@ -29,18 +29,16 @@ class Tower {
     }
   }
 
-  /// From row to row, as the solver does it. Returns the largest velocity that this changed.
-  double sweep() {
-    double most = 0.0;
+  /// From row to row, as the solver does it.
+  void sweep() {
     for (int i = 0; i < island_.contacts.size(); ++i) {
       btSolverConstraint& row = island_.contacts[i];
       btSolverBody& a = (*island_.pools().bodies)[row.m_solverBodyIdA];
       btSolverBody& b = (*island_.pools().bodies)[row.m_solverBodyIdB];
       const btScalar missing = row.m_rhs - added_velocity(row, a, b) * row.m_jacDiagABInv;
       const btScalar impulse = std::max(btScalar(row.m_appliedImpulse) + missing, btScalar(0));
-      most = std::max(most, static_cast<double>(set_impulse(row, a, b, impulse)));
+      set_impulse(row, a, b, impulse);
     }
-    return std::sqrt(most);
   }
 
   /// How much faster than the ground the highest body still falls, relative to its fall.
