@@ -5,18 +5,11 @@
 namespace voxshell::bullet {
 
 void ConjugateSweeps::begin(const SolverPools& pools) {
-  impulses_.clear();
-  for_each_row(pools, [&](const btSolverConstraint& row) {
-    impulses_.push_back(btScalar(row.m_appliedImpulse));
-  });
-  velocities_.clear();
-  for (int i = 0; i < pools.bodies->size(); ++i) {
-    velocities_.push_back(added_velocity((*pools.bodies)[i]));
-  }
-  change_.assign(impulses_.size(), 0);
-  direction_.assign(impulses_.size(), 0);
-  velocity_change_.assign(velocities_.size(), {{0, 0, 0}, {0, 0, 0}});
-  velocity_direction_.assign(velocities_.size(), {{0, 0, 0}, {0, 0, 0}});
+  before_.read(pools);
+  change_.assign(before_.impulses().size(), 0);
+  direction_.assign(before_.impulses().size(), 0);
+  velocity_change_.assign(before_.velocities().size(), {{0, 0, 0}, {0, 0, 0}});
+  velocity_direction_.assign(before_.velocities().size(), {{0, 0, 0}, {0, 0, 0}});
   last_ = 0.0;
 }
 
@@ -27,7 +20,7 @@ double ConjugateSweeps::find_change(const SolverPools& pools) {
   double squared = 0.0;
   std::size_t i = 0;
   for_each_row(pools, [&](const btSolverConstraint& row) {
-    const btScalar change = btScalar(row.m_appliedImpulse) - impulses_[i];
+    const btScalar change = btScalar(row.m_appliedImpulse) - before_.impulses()[i];
     change_[i++] = change;
     if (row.m_jacDiagABInv > 0) {
       squared += static_cast<double>(change) * static_cast<double>(change / row.m_jacDiagABInv);
@@ -36,8 +29,8 @@ double ConjugateSweeps::find_change(const SolverPools& pools) {
   for (int b = 0; b < pools.bodies->size(); ++b) {
     const auto at = static_cast<std::size_t>(b);
     const AddedVelocity now = added_velocity((*pools.bodies)[b]);
-    velocity_change_[at] = {now.linear - velocities_[at].linear,
-                            now.angular - velocities_[at].angular};
+    const AddedVelocity& before = before_.velocities()[at];
+    velocity_change_[at] = {now.linear - before.linear, now.angular - before.angular};
   }
   return squared;
 }
@@ -48,7 +41,6 @@ void ConjugateSweeps::move(const SolverPools& pools, btScalar factor) {
   for_each_row(pools, [&](btSolverConstraint& row) {
     const btScalar along = factor * direction_[i];
     row.m_appliedImpulse = btScalar(row.m_appliedImpulse) + along;
-    impulses_[i] = btScalar(row.m_appliedImpulse);
     direction_[i] = along + change_[i];
     ++i;
   });
@@ -59,10 +51,10 @@ void ConjugateSweeps::move(const SolverPools& pools, btScalar factor) {
     const AddedVelocity along{factor * direction.linear, factor * direction.angular};
     body.internalGetDeltaLinearVelocity() += along.linear;
     body.internalGetDeltaAngularVelocity() += along.angular;
-    velocities_[at] = added_velocity(body);
     direction = {along.linear + velocity_change_[at].linear,
                  along.angular + velocity_change_[at].angular};
   }
+  before_.read(pools);
 }
 
 void ConjugateSweeps::go_on(const SolverPools& pools) {

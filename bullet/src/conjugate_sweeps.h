@@ -24,10 +24,9 @@ class ConjugateSweeps {
   double find_change(const SolverPools& pools);
   void move(const SolverPools& pools, btScalar factor);
 
-  std::vector<btScalar> impulses_;  ///< of the rows before the sweep, N s
-  std::vector<btScalar> change_;    ///< of these by the sweep
+  SolverState before_;            ///< the sweep
+  std::vector<btScalar> change_;  ///< of the impulses, by the sweep
   std::vector<btScalar> direction_;
-  std::vector<AddedVelocity> velocities_;  ///< of the bodies before the sweep
   std::vector<AddedVelocity> velocity_change_;
   std::vector<AddedVelocity> velocity_direction_;
   double last_ = 0.0;  ///< the squared length of the last sweep's change, J

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -54,9 +55,12 @@ class SolverState {
   void read(const SolverPools& pools);
   void write(const SolverPools& pools) const;
 
+  std::span<const btScalar> impulses() const { return impulses_; }           ///< of the rows, N s
+  std::span<const AddedVelocity> velocities() const { return velocities_; }  ///< of the bodies
+
  private:
-  std::vector<btScalar> impulses_;         ///< of the rows, N s
-  std::vector<AddedVelocity> velocities_;  ///< of the bodies
+  std::vector<btScalar> impulses_;
+  std::vector<AddedVelocity> velocities_;
 };
 
 /// Bullet's rows of an island as VelocityNewton takes them.
