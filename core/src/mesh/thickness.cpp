@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -62,22 +64,28 @@ class BoxEntry {
   std::array<float, 3> inverse_{};
 };
 
-/// Where the ray leaves the body through the triangle, as a distance along it; kNone elsewhere
-/// (Möller and Trumbore 1997). Edges count as part of both of their triangles.
-double leave(const Ray& ray, const std::array<Vec3, 3>& triangle) {
+/// Where a ray leaves the body through a triangle, or enters it.
+struct Crossing {
+  double at = kNone;  ///< signed distance along the ray; kNone where it misses the triangle
+  bool leaves = false;
+  const std::array<Vec3, 3>* triangle = nullptr;
+};
+
+/// After Möller and Trumbore (1997). Edges count as part of both of their triangles.
+Crossing cross_triangle(const Ray& ray, const std::array<Vec3, 3>& triangle) {
   constexpr double kSlack = 1e-9;
   const Vec3 ab = triangle[1] - triangle[0];
   const Vec3 ac = triangle[2] - triangle[0];
-  const double facing = dot(ray.direction, cross(ab, ac));
-  if (!(facing > 0.0)) return kNone;
   const Vec3 p = cross(ray.direction, ac);
-  const double scale = 1.0 / dot(ab, p);
+  const double facing = dot(ab, p);  // below 0 where the ray leaves
+  if (facing == 0.0) return {};
+  const double scale = 1.0 / facing;
   const Vec3 from = ray.origin - triangle[0];
   const double u = scale * dot(from, p);
   const Vec3 q = cross(from, ab);
   const double v = scale * dot(ray.direction, q);
-  if (!(u >= -kSlack && v >= -kSlack && u + v <= 1.0 + kSlack)) return kNone;
-  return scale * dot(ac, q);
+  if (!(u >= -kSlack && v >= -kSlack && u + v <= 1.0 + kSlack)) return {};
+  return {scale * dot(ac, q), facing < 0.0, &triangle};
 }
 
 /// Finds where rays leave a body.
@@ -86,34 +94,61 @@ class RayCaster {
   RayCaster(const TriangleMesh& mesh, bool inside_out)
       : order_(order_triangles(mesh)),
         corners_(collect(mesh, order_, inside_out)),
-        hierarchy_(bound(corners_), compute_slack(mesh.bounds())) {}
+        hierarchy_(bound(corners_), compute_slack(mesh.bounds())) {
+    ranks_.resize(order_.size());
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      ranks_[order_[i]] = static_cast<std::uint32_t>(i);
+    }
+  }
 
-  /// How thick the wall is that the ray enters, at most `most`: the shortest way out that is at
-  /// least `least` long, leaving out one triangle. `most` where the ray does not leave it through
-  /// the opposite face of a wall.
-  double measure_wall(const Ray& ray, double least, double most, std::uint32_t except) const {
-    constexpr float kRounding = 1.0f + 1e-5f;
-    double found = most;
-    const std::array<Vec3, 3>* left_through = nullptr;
-    float limit = kRounding * static_cast<float>(found);
-    hierarchy_.search(limit, BoxEntry(ray), [&](std::size_t run) {
+  /// How thick the wall is at a place of a triangle, square to it: as far as it is to where the
+  /// body ends, through all of its parts that overlap or come as near to each other as
+  /// `touching`, and at most `most`. `most`, too, where that is not the opposite face of a wall,
+  /// or is nearer than `touching`. None where the place is inside another part of the body.
+  std::optional<double> measure_wall(std::uint32_t triangle, const Vec3& place, double touching,
+                                     double most) const {
+    const auto& [a, b, c] = corners_[ranks_[triangle]];
+    const Vec3 inward = -normalized(cross(b - a, c - a));
+    // Of parts that touch, one may end or begin just before the place.
+    std::vector<Crossing> crossings = find_crossings({place, inward}, -touching, triangle);
+    const auto leaving = std::count_if(crossings.begin(), crossings.end(),
+                                       [](const Crossing& crossing) { return crossing.leaves; });
+    const auto entering = static_cast<std::ptrdiff_t>(crossings.size()) - leaving;
+    if (leaving > entering + 1) return std::nullopt;
+
+    const auto rank = [&](const Crossing& crossing) {
+      return std::tuple(crossing.leaves ? crossing.at : crossing.at - touching, crossing.leaves,
+                        crossing.triangle);
+    };
+    std::ranges::sort(crossings, {}, rank);
+    int depth = 1;  // in how many parts
+    for (const Crossing& crossing : crossings) {
+      depth += crossing.leaves ? -1 : 1;
+      if (depth > 0) continue;
+      const auto& [d, e, f] = *crossing.triangle;
+      const bool is_opposite = dot(inward, normalized(cross(e - d, f - d))) > kOpposite;
+      return is_opposite && crossing.at >= touching ? std::min(crossing.at, most) : most;
+    }
+    return most;
+  }
+
+ private:
+  /// From `first` on along the ray, of all triangles but `except`.
+  std::vector<Crossing> find_crossings(const Ray& ray, double first, std::uint32_t except) const {
+    std::vector<Crossing> crossings;
+    const BoxEntry entry({ray.origin + first * ray.direction, ray.direction});
+    hierarchy_.search(std::numeric_limits<float>::max(), entry, [&](std::size_t run) {
       const std::size_t begin = run * BoxHierarchy::kEach;
       const std::size_t end = std::min(begin + BoxHierarchy::kEach, corners_.size());
       for (std::size_t i = begin; i < end; ++i) {
         if (order_[i] == except) continue;
-        const double exit = leave(ray, corners_[i]);
-        if (exit < least || exit >= found) continue;
-        found = exit;
-        left_through = &corners_[i];
+        const Crossing crossing = cross_triangle(ray, corners_[i]);
+        if (crossing.at >= first && crossing.at < kNone) crossings.push_back(crossing);
       }
-      limit = kRounding * static_cast<float>(found);
     });
-    if (left_through == nullptr) return most;
-    const auto& [a, b, c] = *left_through;
-    return dot(ray.direction, normalized(cross(b - a, c - a))) > kOpposite ? found : most;
+    return crossings;
   }
 
- private:
   static std::vector<std::uint32_t> order_triangles(const TriangleMesh& mesh) {
     std::vector<Vec3> middles(mesh.triangles().size());
     for (std::size_t i = 0; i < middles.size(); ++i) {
@@ -150,6 +185,7 @@ class RayCaster {
   }
 
   std::vector<std::uint32_t> order_;          ///< triangle indices
+  std::vector<std::uint32_t> ranks_;          ///< of each triangle in that order
   std::vector<std::array<Vec3, 3>> corners_;  ///< in that order
   BoxHierarchy hierarchy_;
 };
@@ -159,21 +195,19 @@ class RayCaster {
 double compute_thickness(const TriangleMesh& mesh) {
   constexpr std::size_t kChords = 4096;
   constexpr double kFraction = 0.01;  // of the area that may be thinner
-  constexpr double kTouching = 1e-7;  // of the longest side: chords that do not leave the surface
+  constexpr double kTouching = 1e-7;  // of the longest side
   const Vec3 sides = mesh.bounds().extents();
   const double longest = sides[mesh.bounds().longest_axis()];
   const double shortest = std::max(std::min({sides.x, sides.y, sides.z}), kTouching * longest);
 
-  const bool inside_out = mesh.compute_volume() < 0.0;
-  const RayCaster caster(mesh, inside_out);
+  const RayCaster caster(mesh, mesh.compute_volume() < 0.0);
   std::vector<double> chords;
   chords.reserve(kChords);
   const std::vector<std::uint32_t> faces = spread_over_faces(mesh, kChords);
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::array<Vec3, 3> corners = mesh.corners(faces[i]);
-    const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
-    const Ray ray{place_on_triangle(corners, i), inside_out ? normal : -normal};
-    chords.push_back(caster.measure_wall(ray, kTouching * longest, shortest, faces[i]));
+    const Vec3 place = place_on_triangle(mesh.corners(faces[i]), i);
+    const auto chord = caster.measure_wall(faces[i], place, kTouching * longest, shortest);
+    if (chord) chords.push_back(*chord);
   }
   if (chords.empty()) return shortest;
   const auto at =

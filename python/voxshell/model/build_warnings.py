@@ -177,8 +177,12 @@ def _find_inaccuracy(core: CoreModel) -> list[Finding]:
         missed.append(
             f"the largest error is {worst * 1e3:.3g} mm, and at most {_FAR_OFF:g} tolerances are accepted anywhere"
         )
-    closed = core.grid.sign_method == "closed"
-    why = "" if closed else "; exact cells need a closed mesh, so repair it if you can"
+    open_edges, non_manifold, flipped, _, _ = core.grid.faults
+    why = ""
+    if open_edges or non_manifold or flipped:
+        why = "; exact cells need a closed mesh, so repair it if you can"
+    elif core.grid.sign_method != "closed":
+        why = "; cells may not be exact where parts of the mesh touch, so unite these if you can"
     larger = _choose_larger(tolerance, reached, worst)
     coarse = _COARSE * larger > np.ptp(core.vertices, axis=0).min()
     advice = "" if coarse else f"a larger tolerance, such as tolerance={larger:.2g}, or "

@@ -72,6 +72,21 @@ TEST(Thickness, IsThatOfTheThinnestPartOfSomeSize) {
   EXPECT_NEAR(compute_thickness(together(make_box({0.5, 0.5, 0.5}), plate).mesh()), 0.004, 1e-9);
 }
 
+TEST(Thickness, IsThatOfAllPartsTogether) {
+  // Two blocks that overlap a little, by less than rounding, touch, or are that much apart.
+  const Soup block = make_box({0.5, 0.5, 0.5});
+  for (const double overlap : {0.1, 1e-3, 1e-6, 1e-9, 0.0, -1e-9, -1e-3}) {
+    const Soup both = together(block, moved(block, {1.0 - overlap, 0.0, 0.0}));
+    EXPECT_NEAR(compute_thickness(both.mesh()), 1.0, 1e-6) << overlap;
+    EXPECT_NEAR(compute_thickness(inverted(both).mesh()), 1.0, 1e-6) << overlap;
+  }
+  // A lining inside a block is no wall, one that sticks out is.
+  const Soup plate = make_box({0.4, 0.4, 0.002});
+  EXPECT_NEAR(compute_thickness(together(block, plate).mesh()), 1.0, 1e-6);
+  EXPECT_NEAR(compute_thickness(together(block, moved(plate, {0.5, 0.0, 0.0})).mesh()), 0.004,
+              1e-6);
+}
+
 TEST(Thickness, DoesNotDependOnOrientationOrPlace) {
   const Soup cup = make_cup(0.04, 0.1, 0.0015);
   EXPECT_NEAR(compute_thickness(inverted(cup).mesh()), compute_thickness(cup.mesh()), 1e-8);
