@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import json
+import tokenize
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from voxshell.base.arguments import show_value
 from voxshell.base.input_files import read_small_file
 from voxshell.base.outputs import write_bytes
 from voxshell.errors import MemoryLimitError, VoxshellError
@@ -40,8 +42,10 @@ _DAMAGED = (
     KeyError,
     NotImplementedError,  # a compression that zipfile does not have
     RuntimeError,  # an encrypted file, or a header that is nested too deeply
+    SyntaxError,  # the header of an array
     TypeError,
     ValueError,
+    tokenize.TokenError,
     OSError,
 )
 
@@ -116,6 +120,8 @@ class FileKind:
         """Return what is wrong with the content of a file."""
         if isinstance(error, zipfile.BadZipFile) and not content.startswith(_ARCHIVE):
             return f"it is not a {self.name} ({SUFFIX})"
+        if isinstance(error, (SyntaxError, tokenize.TokenError)):
+            return "the header of an array in it is damaged"
         return f"it has no {error}" if isinstance(error, KeyError) else str(error)
 
 
@@ -131,5 +137,5 @@ def _read_arrays(content: bytes, path: Path) -> Mapping[str, NDArray[Any]]:
         found = {name: arrays[name] for name in arrays.files}
     for name, array in found.items():
         if not isinstance(array, np.ndarray):  # NumPy returns the bytes of other files
-            raise ValueError(f"its {name!r} is not an array")
+            raise ValueError(f"its {show_value(name)} is not an array")
     return found

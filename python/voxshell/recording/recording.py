@@ -152,7 +152,7 @@ class Recording:
             Traceback (most recent call last):
             voxshell.errors.RecordingError: cannot read the recording pyproject.toml: it is not a recording (.npz)
         """
-        return cls(*read_recording(Path(os.fsdecode(as_path(path, "path")))))
+        return read_recording(Path(os.fsdecode(as_path(path, "path"))), cls)
 
     def save_html(
         self, path: str | PathLike[str], *, title: str = "Replay", label: str = "", **options: Any

@@ -7,7 +7,7 @@ on. All of them are checked as those of any recording are.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from voxshell.base.array_file import SUFFIX, FileKind
 from voxshell.errors import RecordingError
@@ -15,10 +15,12 @@ from voxshell.recording.body_track import BodyTrack
 from voxshell.recording.contact_track import ContactTrack
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+Made = TypeVar("Made")
 
 __all__ = ["SUFFIX", "read_recording", "write_recording"]
 
@@ -48,8 +50,14 @@ def write_recording(
     _KIND.write(path, header, arrays)
 
 
-def read_recording(path: Path) -> tuple[float, tuple[BodyTrack, ...], ContactTrack]:
-    """Return the time step, the bodies and the contacts of a file.
+def read_recording(
+    path: Path, make: Callable[[float, tuple[BodyTrack, ...], ContactTrack], Made]
+) -> Made:
+    """Return what is made of the time step, the bodies and the contacts of a file.
+
+    Args:
+        path: The file.
+        make: Checks that they fit together: its ValueError, such as RecordingError, means that the file is damaged.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -58,7 +66,7 @@ def read_recording(path: Path) -> tuple[float, tuple[BodyTrack, ...], ContactTra
         RecordingError: It is damaged, is not a recording, or has a version that this package does not read.
         MemoryLimitError: Its arrays have more than 4 GiB, or there is no memory for them.
     """
-    return _KIND.read(path, _make_parts)
+    return _KIND.read(path, lambda header, arrays: make(*_make_parts(header, arrays)))
 
 
 def _make_parts(

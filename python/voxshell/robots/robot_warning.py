@@ -11,7 +11,7 @@ from voxshell.robots.description import MIMIC_EFFORT, shorten_names
 from voxshell.robots.matter import DENSITY, GHOST_MASS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from voxshell.robots.description import RobotDescription
     from voxshell.robots.matter import Matter
@@ -49,14 +49,14 @@ def warn_of_robot(robot: RobotDescription, matter: Matter) -> None:
             f"({_cut(shown)}); pybullet ignores a file's inertias by default: pass inertia='shape' to take "
             "those of the shapes, too, or correct the file"
         )
-    if robot.left_out:
-        causes.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
     causes.extend(_describe_flaws(robot.flaws))
     if robot.moved_to_limits:
         causes.append(
             "has joints that would begin beyond their limits, and begin at the nearest limit "
             f"({shorten_names(list(robot.moved_to_limits))}); pass positions= to begin elsewhere"
         )
+    if robot.left_out:
+        causes.append(f"contains what is not simulated: {'; '.join(robot.left_out)}")
     if causes:
         only = causes[0] if len(causes) == 1 else ""
         between = " " if only[:1].isalpha() else ": "
@@ -112,15 +112,21 @@ def _describe_flaws(flaws: Mapping[str, Mapping[str, Sequence[str]]]) -> Iterato
     """Yield what is wrong with the meshes, for each way in which it was handled."""
     for handling, found in flaws.items():
         if handling:
+            of_openings = "open='solid', open='sheet' or " if _have_openings(found) else ""
             yield (
                 f"has faulty meshes; {handling}: {_list_flaws(found)}; repair them, or pass "
-                "mesh_as='hull', to avoid this warning"
+                f"{of_openings}mesh_as='hull', to avoid this warning"
             )
         else:
             yield (
                 f"has models that are inaccurate or large: {_list_flaws(found)}; repair their "
                 "meshes, or pass another tolerance="
             )
+
+
+def _have_openings(flaws: Iterable[str]) -> bool:
+    """Return whether a mesh is open only where it could be closed, or be a sheet."""
+    return any(" opening" in what for what in flaws)
 
 
 def _list_flaws(flaws: Mapping[str, Sequence[str]]) -> str:

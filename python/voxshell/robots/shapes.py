@@ -9,7 +9,7 @@ import numpy as np
 
 from voxshell.base.arguments import as_choice, as_integer, as_length, as_positive
 from voxshell.errors import MemoryLimitError, MeshError, RobotError, SettingsError
-from voxshell.model.build_settings import as_settings
+from voxshell.model.build_settings import as_open, as_settings, as_sheet_thickness
 from voxshell.model.build_warnings import find_flaws
 from voxshell.model.building import build_core
 from voxshell.model.meshes import Mesh, doubt_unit
@@ -53,9 +53,13 @@ class MeshSettings:
     resolution: int | None
     mesh_as: Literal["model", "hull"]
     tolerance: float | None = None
+    open: Literal["auto", "solid", "sheet"] = "auto"
+    sheet_thickness: float | None = None
 
     def __post_init__(self) -> None:
         as_choice(self.mesh_as, "mesh_as", ("model", "hull"))
+        as_open(self.open)
+        as_sheet_thickness(self.sheet_thickness, self.open)
         if self.tolerance is not None:
             as_length(self.tolerance, "tolerance")
         sizes = (self.tolerance, self.voxel_size, self.resolution)
@@ -78,6 +82,8 @@ class Shaper:
         if settings.tolerance is settings.voxel_size is settings.resolution is None:
             self._resolution = _DEFAULT_RESOLUTION
         self._mesh_as = settings.mesh_as
+        self._open = settings.open
+        self._sheet_thickness = settings.sheet_thickness
         self._made: dict[tuple[Geometry, bytes], _Made] = {}
 
     def shape_of(self, lump: Lump) -> Part | Compound | Plane | None:
@@ -139,7 +145,7 @@ class Shaper:
             if doubt and doubt not in self._robot.doubts:
                 self._robot.doubts.append(doubt)
         mesh = Mesh(mesh.vertices @ place[:3, :3].T + place[:3, 3], mesh.faces)
-        sheet = find_sheet(mesh)
+        sheet = find_sheet(mesh, self._sheet_thickness)
         try:
             if sheet is None:
                 return _Made(*self._shape_mesh(mesh), None)
@@ -170,10 +176,15 @@ class Shaper:
         built = build_core(
             mesh,
             as_settings(
-                tolerance=self._tolerance, voxel_size=voxel_size, resolution=self._resolution
+                tolerance=self._tolerance,
+                voxel_size=voxel_size,
+                resolution=self._resolution,
+                open_as=self._open,
+                sheet_thickness=self._sheet_thickness,
             ),
         )
-        return _mark(Model(built.core)), find_flaws(built.core, built.widest_rim)
+        flaws = find_flaws(built.core, built.widest_rim, open_as=self._open)
+        return _mark(Model(built.core)), flaws
 
 
 class _Made(NamedTuple):

@@ -37,8 +37,12 @@ class Sheet(NamedTuple):
         return np.concatenate([self.mesh.vertices - half, self.mesh.vertices + half])
 
 
-def find_sheet(mesh: Mesh) -> Sheet | None:
+def find_sheet(mesh: Mesh, thickness: float | None = None) -> Sheet | None:
     """Return a mesh that lies in a plane as a sheet; None if it has a volume, or is a line.
+
+    Args:
+        mesh: The mesh, meters.
+        thickness: That of the sheet, meters; by default a 200th of its longest side, at most 5 mm.
 
     Example:
         >>> import numpy as np
@@ -66,9 +70,9 @@ def find_sheet(mesh: Mesh) -> Sheet | None:
         faces = np.where(up[:, None], faces, faces[:, ::-1])
         _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
         faces = faces[np.sort(first)]
-    side = float(np.ptp(used, axis=0).max())
-    one_side = Mesh(vertices, faces.astype(np.uint32))
-    return Sheet(one_side, normal, min(_OF_SIDE * side, _THICKEST))
+    if thickness is None:
+        thickness = min(_OF_SIDE * float(np.ptp(used, axis=0).max()), _THICKEST)
+    return Sheet(Mesh(vertices, faces.astype(np.uint32)), normal, thickness)
 
 
 def _is_closed(faces: NDArray[np.integer]) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from voxshell import _bullet
+from voxshell.base.arguments import show_value
 from voxshell.base.array_file import FileKind
 from voxshell.errors import SimulationError, StateError
 
@@ -57,7 +58,7 @@ def _make(
     tables = {name: table for name, table in arrays.items() if name != "header"}
     for name, table in tables.items():
         if table.dtype != np.float64 or table.ndim != 2:
-            raise ValueError(f"its table {name!r} does not consist of rows of float64")
+            raise ValueError(f"its table {show_value(name)} does not consist of rows of float64")
     ordered = {name: np.ascontiguousarray(table) for name, table in tables.items()}
     return _bullet.SimulationState.from_rows(ordered), scene
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 
 from . import (
+    array_files,
     assumptions,
     found_files,
     gltf_files,
@@ -23,7 +24,16 @@ from .case import Case
 
 SOURCES = (
     *(stl_files, text_meshes, ply_files, gltf_files, xml_meshes, model_files),
-    *(scene_files, urdf_files, mjcf_files, pose_files, places, assumptions, found_files),
+    *(
+        scene_files,
+        urdf_files,
+        mjcf_files,
+        pose_files,
+        places,
+        assumptions,
+        found_files,
+        array_files,
+    ),
 )
 
 

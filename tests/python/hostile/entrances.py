@@ -10,6 +10,8 @@ import numpy as np
 import trimesh
 import voxshell as vx
 
+from .array_files import make_world
+
 RESOLUTION = 12
 
 
@@ -28,6 +30,23 @@ def open_urdf(path: Path) -> None:
 
 def open_mjcf(path: Path) -> None:
     open_robot(vx.load_mjcf, path)
+
+
+def open_state(path: Path) -> None:
+    state = vx.WorldState.load(path)
+    world = make_world()
+    before = [body.pose for body in world.bodies]
+    try:
+        world.restore_state(state)
+    except vx.VoxshellError:
+        assert np.array_equal(before, [body.pose for body in world.bodies]), "a part is restored"
+        raise vx.StateError(f"{path}: of another scene") from None
+    world.step(2)
+
+
+def open_recording(path: Path) -> None:
+    recording = vx.Recording.load(path)
+    recording.save(path.with_name("again.npz"))
 
 
 def open_robot(load: Callable[..., vx.Robot], path: Path) -> None:
@@ -61,6 +80,8 @@ IN_PYTHON: dict[str, Callable[[Path], None]] = {
     "model": open_model,
     "urdf": open_urdf,
     "mjcf": open_mjcf,
+    "state": open_state,
+    "recording": open_recording,
 }
 """By entrance; the others are entrances of the command line alone."""
 

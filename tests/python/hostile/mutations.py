@@ -111,7 +111,7 @@ def write_mutated(case: Case, folder: Path, rng: np.random.Generator) -> Path:
     if not path.is_file() or path.is_symlink() or path.stat().st_size > MOST_BYTES:
         return path
     content = path.read_bytes()
-    if path.suffix == ".3mf" and rng.integers(4):
+    if path.suffix in (".3mf", ".npz") and rng.integers(4):
         changed = mutate_archive(content, rng)
     else:
         changed = mutate(content, rng)

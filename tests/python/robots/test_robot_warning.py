@@ -80,6 +80,10 @@ def test_faulty_meshes_are_listed_with_their_links_and_files(write, open_box, tm
     assert said.startswith(f"{path}:\n- has faulty meshes; winding numbers decide what is inside")
     assert "'a', 'b' (open.stl: 3 open edges, 1 opening, the largest 0.141 m across)" in said
     assert "voxshell turned it: 'c' (inverted.stl: inside out as a whole)" in said
+    assert (
+        ", the largest 0.141 m across); repair them, or pass open='solid', open='sheet' or mesh_as='hull'"
+        in said
+    )
     assert said.endswith("; repair them, or pass mesh_as='hull', to avoid this warning")
     assert "sign=" not in said
     assert load(path, mesh_as="hull")[1] == []

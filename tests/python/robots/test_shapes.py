@@ -59,9 +59,29 @@ def test_a_mesh_without_a_volume_is_refused_by_link_and_line():
         shape_of(Collision(line, np.eye(4)), mesh_as="hull")
 
 
+def test_open_meshes_become_solids_or_sheets_as_told():
+    shallow = trimesh.creation.box((1.0, 1.0, 0.3))
+    shallow.update_faces(~(shallow.face_normals[:, 2] > 0.9))  # without its lid
+    tray = Collision(MeshArrays("tray", read_mesh(shallow)), np.eye(4))
+    inside = [(0.0, 0.0, 0.0)]
+    assert shape_of(tray, open="solid").field.sample(inside) < -0.1
+    assert shape_of(tray, open="sheet").field.sample(inside) > 0.05
+    thick = shape_of(tray, open="sheet", sheet_thickness=0.2)
+    assert thick.field.sample([(0.0, 0.0, -0.15)]) == pytest.approx(-0.1, abs=0.03)
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.0)])
+    flat = Collision(MeshArrays("flat", read_mesh((corners, [(0, 1, 2)]))), np.eye(4))
+    for mesh_as in ("model", "hull"):
+        made = shape_of(flat, mesh_as=mesh_as, sheet_thickness=0.02)
+        assert np.ptp(made.mesh.vertices[:, 2]) == pytest.approx(0.02, abs=1e-3)
+
+
 @pytest.mark.parametrize(
-    "wrong", [{"mesh_as": "box"}, {"voxel_size": -1.0}, {"resolution": 1}, {"resolution": 2.5}]
-)
+    "wrong",
+    [
+        {"mesh_as": "box"}, {"voxel_size": -1.0}, {"resolution": 1}, {"resolution": 2.5},
+        {"open": "closed"}, {"sheet_thickness": 0.0}, {"sheet_thickness": 0.01, "open": "solid"},
+    ],
+)  # fmt: skip
 def test_settings_are_checked(wrong):
     with pytest.raises(vx.VoxshellError, match=next(iter(wrong))):
         shape_of(**wrong)

@@ -1,4 +1,4 @@
-"""Random damage at every entrance: meshes, robots, scenes, models, poses, arguments and the viewer.
+"""Random damage at every entrance: meshes, robots, scenes, models, states, recordings, poses, arguments and the viewer.
 
 Files are opened in a watched process (`tests/python/hostile`), which tells crashes, hangs and errors of
 other libraries apart. The viewer must go on answering those who have its secret, and nobody else.
@@ -41,7 +41,18 @@ ENTRANCES = (
         "arguments",
         "poses",
     ),
-    *("mesh", "urdf", "arguments", "mesh", "scene", "model", "mesh", "viewer", "mjcf", "scene"),
+    *(
+        "mesh",
+        "urdf",
+        "arguments",
+        "state",
+        "scene",
+        "model",
+        "mesh",
+        "viewer",
+        "mjcf",
+        "recording",
+    ),
 )
 """Of the cases, in turn."""
 

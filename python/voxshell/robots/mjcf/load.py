@@ -40,6 +40,8 @@ def load_mjcf(
     voxel_size: float | None = None,
     resolution: int | None = None,
     mesh_as: Literal["model", "hull"] = "model",
+    open: Literal["auto", "solid", "sheet"] = "auto",  # noqa: A002
+    sheet_thickness: float | None = None,
     friction: float | None = None,
     self_collision: bool = True,
     positions: Mapping[str, float] | None = None,
@@ -79,6 +81,10 @@ def load_mjcf(
         resolution: Alternative to both: voxels along the longest side of each uniform model. The default
             is 100.
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull, which MuJoCo uses.
+        open: How to treat meshes with open edges: closed as a "solid", as a "sheet" that collides from both
+            sides, or by "auto", as described for :meth:`Model.from_mesh`.
+        sheet_thickness: Thickness of sheets, meters. The default is a 200th of the longest side, and at
+            least two voxels; for meshes that lie in a plane, at most 5 mm.
         friction: Coulomb's coefficient of all bodies, instead of the file's.
         self_collision: Let the bodies of one tree collide with each other, as the file specifies.
             Those of different trees can always collide.
@@ -143,7 +149,7 @@ def load_mjcf(
     world_from_file = check_place(world, pose, 0.5 if friction is None else friction)
     as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
-    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
+    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance, open, sheet_thickness)
     model = read_mjcf(path, world.gravity, world.time_step)
     robot, filters = model.robot, model.filters
     if keyframe is not None:

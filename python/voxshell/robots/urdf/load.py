@@ -37,6 +37,8 @@ def load_urdf(
     voxel_size: float | None = None,
     resolution: int | None = None,
     mesh_as: Literal["model", "hull"] = "model",
+    open: Literal["auto", "solid", "sheet"] = "auto",  # noqa: A002
+    sheet_thickness: float | None = None,
     friction: float | None = None,
     self_collision: bool = False,
     positions: Mapping[str, float] | None = None,
@@ -66,6 +68,10 @@ def load_urdf(
         resolution: Alternative to both: voxels along the longest side of each uniform model. The default
             is 100.
         mesh_as: "model" for any mesh as it is, or "hull" for its convex hull.
+        open: How to treat meshes with open edges: closed as a "solid", as a "sheet" that collides from both
+            sides, or by "auto", as described for :meth:`Model.from_mesh`.
+        sheet_thickness: Thickness of sheets, meters. The default is a 200th of the longest side, and at
+            least two voxels; for meshes that lie in a plane, at most 5 mm.
         friction: Coulomb's coefficient of all links, instead of the file's. By default a body has the
             largest ``lateral_friction``, ``restitution``, ``rolling_friction`` and ``spinning_friction``
             that pybullet's ``<contact>`` states for its links, and friction 0.5 without one.
@@ -142,7 +148,7 @@ def load_urdf(
     is_fixed = as_flag(fixed_base, "fixed_base")
     collides_itself = as_flag(self_collision, "self_collision")
     starts = as_starts(positions)
-    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance)
+    settings = MeshSettings(voxel_size, resolution, mesh_as, tolerance, open, sheet_thickness)
     robot = read_urdf(path)
     begin_at(robot, starts)
     lumps = find_lumps(robot)
