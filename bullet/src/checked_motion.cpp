@@ -183,8 +183,9 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
     checked.is_faster = checked.is_faster || is_faster(checked, info.m_timeStep);
     if (checked.is_faster) faster_.push_back(checked.body);
   }
-  const bool has_turned = find_turned(broadphase, dispatcher, info);
-  if (faster_.empty() && !has_turned && !blows_->has_changed()) return false;
+  const bool is_searched = !faster_.empty() || blows_->has_changed();
+  bool has_turned = !is_searched && find_turned(broadphase, dispatcher, info);
+  if (!is_searched && !has_turned) return false;
   for (const Checked& checked : all_) checked.start.put_on(*checked.body);
   faster_by_address_.assign(faster_.begin(), faster_.end());
   std::ranges::sort(faster_by_address_);
@@ -197,6 +198,11 @@ bool CheckedMotion::is_unfinished(btBroadphaseInterface& broadphase, btDispatche
   const bool has_come_back = blows_->restore(info.m_timeStep);
   const bool has_found = search_->find(faster_, faster_by_address_, broadphase,
                                        static_cast<btCollisionDispatcher&>(dispatcher), info);
+  // Where more contacts are found, bodies will turn otherwise.
+  if (is_searched && !has_found && !has_come_back) {
+    has_turned = find_turned(broadphase, dispatcher, info);
+    for (const Checked& checked : all_) checked.go_on().put_on(*checked.body);
+  }
   const bool is_unfinished = has_found || has_come_back || has_turned;
   if (is_unfinished) {
     blows_->keep(dispatcher, info.m_timeStep);

@@ -575,14 +575,14 @@ inline constexpr double kReturnOfParting = 5.0;
 /// Bodies that turn may end a step in each other by this fraction of the smaller one's size.
 /// Smaller: more steps are solved twice.
 inline constexpr double kEndOfSize = 0.001;
-/// Turning moves a place that touches along its normal by at least this fraction of the depth, and
-/// changes the depth by as much, or by the second fraction of the smaller body's size. Smaller:
-/// wheels that roll over waves are braked.
+/// Turning moves a place that touches along its normal by at least this fraction of the depth.
+/// Smaller: wheels that roll over waves are braked.
 inline constexpr double kLeastByTurning = 0.5;
-inline constexpr double kLeastByTurningOfSize = 0.04;
-/// Where all contacts have the normal of the deepest place, by this cosine of a quarter degree, the
-/// depth need not change. Smaller: what rolls in a bowl is braked.
-inline constexpr double kSameEndNormal = 0.99999;
+/// A body is round if its depth changes by less than the larger of these fractions, of the depth and
+/// of the smaller body's size, where it does not turn or turns by half. Smaller: what has facets is
+/// braked where it rolls over waves or in a half-pipe. Larger: eggs land deeper.
+inline constexpr double kSameOfDepth = 0.1;
+inline constexpr double kSameOfSize = 0.002;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are
 /// deeper.
 inline constexpr int kMostSolutionsOfTurns = 3;

@@ -25,3 +25,9 @@ def test_what_play_allows_is_small():
 def test_mechanisms_work_at_200_hz(name, error):
     scene = SCENES[name]
     assert scene.run(200.0, 0) == pytest.approx(scene.truth, abs=error)
+
+
+def test_contacts_of_turned_bodies_come_after_those_that_stop_them():
+    """It was 0.07 mm deep, and 0.28 mm with contacts of where its first solution turned it."""
+    scene = SCENES["keyhole plate is pulled against the head of its screw"]
+    assert max(scene.run(60.0, placement) for placement in range(2)) < 0.05
