@@ -100,6 +100,11 @@ inline constexpr double kMostTurn = 0.4;
 /// Where the normals of round bodies on a concave surface may miss each other by kSlidesWithin, as
 /// a fraction of what the place turns by. Larger: what the places miss is as much as the turn is.
 inline constexpr double kSlidesWithinOfTurn = 0.1;
+/// Deeper in a wall than by this fraction of its thickness, its other side is near. Larger: what
+/// turns at the end of a step is not found. Smaller: in close bores, the wall opposite is.
+inline constexpr double kDeepInWall = 0.25;
+/// A place of a body that spins slides on by at most this at once, radians. Larger: it is not found.
+inline constexpr double kMostTurnOfSlide = 0.25;
 /// A surface that bends evenly has come nearer by a quarter when half of the step is over. It may
 /// be off by this fraction of the whole. Larger: walls ahead are taken for bends, and entered.
 inline constexpr double kUnevenTurn = 0.5;
@@ -132,7 +137,7 @@ inline constexpr double kBoldOfGap = 0.9;
 inline constexpr double kSafeOfGap = 0.577;
 /// Most steps of one advancement; where they are not enough, there is a contact with the gap that
 /// is left. Smaller: bodies that graze a surface are kept away from it.
-inline constexpr int kMostAdvances = 64;
+inline constexpr int kMostAdvances = 128;
 /// A place of an edge is the one nearest to the other body where the field's normal leans along the
 /// edge by at most this sine. Smaller: edges that lie flat have their contacts moved to and fro.
 inline constexpr double kNearestWithinSine = 1e-3;
@@ -578,11 +583,12 @@ inline constexpr double kEndOfSize = 0.001;
 /// Turning moves a place that touches along its normal by at least this fraction of the depth.
 /// Smaller: wheels that roll over waves are braked.
 inline constexpr double kLeastByTurning = 0.5;
-/// A body is round if its depth changes by less than the larger of these fractions, of the depth and
-/// of the smaller body's size, where it does not turn or turns by half. Smaller: what has facets is
-/// braked where it rolls over waves or in a half-pipe. Larger: eggs land deeper.
-inline constexpr double kSameOfDepth = 0.1;
+/// A body is round if its depth changes by less than this fraction of the smaller body's size, from
+/// a tenth to a half of the depth, where it does not turn or turns by half. Smaller: what has facets
+/// is braked where it rolls over waves or in a half-pipe. Larger: eggs and boxes land deeper.
 inline constexpr double kSameOfSize = 0.002;
+inline constexpr double kLeastSameOfDepth = 0.1;
+inline constexpr double kMostSameOfDepth = 0.5;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are
 /// deeper.
 inline constexpr int kMostSolutionsOfTurns = 3;

@@ -86,17 +86,27 @@ class SlidingPlace {
     const auto now = settle(0.0);
     // Elsewhere it is not the contact's place.
     if (!now || std::abs(now->gap - gap) > same_gap()) return std::nullopt;
-    const auto half = settle(0.5);
+    const auto half = settle_between(0.0, 0.5);
     if (!half) return std::nullopt;
-    const auto then = settle(1.0);
+    // Straight ahead, the body would end the step on the other side of a thin wall. It stays on
+    // this side along the chord that its first half predicts, if that bends evenly.
+    const double predicted = 4.0 * (now->gap - half->gap);
+    double along_chord = 0.0;
+    const double deep = kDeepInWall * other_side(step_, body_).thinnest();
+    if (predicted - now->gap > deep && -half->gap < deep) {
+      const RoundSide::Place of_half = place_;
+      const auto quarter = settle_between(0.5, 0.25);
+      if (!quarter || !is_even(16.0 * (now->gap - quarter->gap), predicted)) return std::nullopt;
+      place_ = of_half;
+      along_chord = predicted;
+    }
+    motion_.velocity = motion_.velocity + (along_chord / step_.time_step) * now->outwards;
+    const auto then = settle_between(0.5, 1.0);
     if (!then || dot(now->outwards, then->outwards) < kLeastCosineOfTurn) return std::nullopt;
-    const double turn = now->gap - then->gap;
+    const double turn = along_chord + now->gap - then->gap;
     // Nothing comes nearer by more than it moves.
     if (turn > step_.farthest_displacement) return std::nullopt;
-    // A quarter of it in the first half of the step. What comes nearer all at once is another wall.
-    const double of_half = now->gap - half->gap;
-    if (std::abs(4.0 * of_half - turn) > kUnevenTurn * std::abs(turn)) return std::nullopt;
-    return turn;
+    return is_even(predicted, turn) ? std::optional(turn) : std::nullopt;
   }
 
   /// The contact where they touch.
@@ -147,6 +157,12 @@ class SlidingPlace {
     return {motion_, shell_from_own_.transform_point(own_place), step_.time_step};
   }
 
+  /// Whether the first part of the step predicts what is found later: a surface that bends evenly
+  /// comes nearer with the square of time. What comes nearer all at once is another wall.
+  static bool is_even(double predicted, double turn) {
+    return std::abs(predicted - turn) <= kUnevenTurn * std::abs(turn);
+  }
+
   /// Whether the other body's surface turns toward the body on the way ahead along it.
   bool rises_along(const Vec3& way) {
     const Vec3 here = shell_from_own_.transform_point(place_.position);
@@ -165,6 +181,21 @@ class SlidingPlace {
     if (!now || (now->gap < 0.0 && met_)) return {0.0, 0.0};
     met_ = now;
     return {now->gap, safe_of_gap_ * now->gap};
+  }
+
+  /// Slides the place on from what was nearest at an earlier time of the step. On bodies that spin
+  /// fast it may be far away, and is found by little at once.
+  std::optional<Met> settle_between(double from, double to) {
+    const RoundSide::Place before = place_;
+    if (const auto met = settle(to)) return met;
+    const double angle =
+        std::abs(to - from) * step_.time_step * length(motion_.own.angular_velocity);
+    const int parts = 1 + static_cast<int>(angle / kMostTurnOfSlide);
+    place_ = before;
+    for (int i = 1; i < parts; ++i) {
+      if (!settle(from + (to - from) * i / parts)) return std::nullopt;
+    }
+    return parts > 1 ? settle(to) : std::nullopt;
   }
 
   /// Slides the place to where the other body is nearest, after a fraction of the step.

@@ -225,8 +225,9 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
       time_step;
   if (by_turning < static_cast<btScalar>(kLeastByTurning) * depth) return false;
   // Facets do, a little. Others may be as deep by chance, with another place, but not on the way.
-  const btScalar same = std::max(static_cast<btScalar>(kSameOfDepth) * depth,
-                                 static_cast<btScalar>(kSameOfSize) * size);
+  const btScalar same = btClamped(static_cast<btScalar>(kSameOfSize) * size,
+                                  static_cast<btScalar>(kLeastSameOfDepth) * depth,
+                                  static_cast<btScalar>(kMostSameOfDepth) * depth);
   const auto is_as_deep_turned_for = [&](btScalar time) {
     const Overlaps there =
         find_overlaps(turned_for(time, end_a), turned_for(time, end_b), dispatcher, info);

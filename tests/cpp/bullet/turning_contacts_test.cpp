@@ -28,24 +28,34 @@ constexpr double kTrough = 0.1;
 
 /// A third of a round trough about the z axis, open toward y, with its lowest line at y =
 /// -kTrough.
-std::shared_ptr<const Model> trough_model() {
-  static const auto model = [] {
-    constexpr std::uint32_t kFacets = 60;
-    std::vector<std::array<double, 2>> polygon;
-    std::vector<Triangle> caps;
-    const auto at = [&](std::uint32_t i) {
-      const double angle = std::numbers::pi * (7.0 / 6.0 + 2.0 / 3.0 * i / kFacets);
-      return std::array{kTrough * std::cos(angle), kTrough * std::sin(angle)};
-    };
-    for (std::uint32_t i = 0; i <= kFacets; ++i) polygon.push_back({at(i)[0], -1.3 * kTrough});
-    for (std::uint32_t i = 0; i <= kFacets; ++i) polygon.push_back(at(kFacets - i));
-    for (std::uint32_t i = 0; i < kFacets; ++i) {
-      const std::uint32_t above = 2 * kFacets + 1 - i;
-      caps.push_back({i, i + 1, above - 1});
-      caps.push_back({i, above - 1, above});
+///
+/// @param wall  Its thickness, meters; 0 for a block with a flat bottom.
+std::shared_ptr<const Model> build_trough(double wall) {
+  constexpr std::uint32_t kFacets = 60;
+  std::vector<std::array<double, 2>> polygon;
+  std::vector<Triangle> caps;
+  const auto at = [&](std::uint32_t i, double radius) {
+    const double angle = std::numbers::pi * (7.0 / 6.0 + 2.0 / 3.0 * i / kFacets);
+    return std::array{radius * std::cos(angle), radius * std::sin(angle)};
+  };
+  for (std::uint32_t i = 0; i <= kFacets; ++i) {
+    if (wall > 0.0) {
+      polygon.push_back(at(i, kTrough + wall));
+    } else {
+      polygon.push_back({at(i, kTrough)[0], -1.3 * kTrough});
     }
-    return build_by_tolerance(make_prism(polygon, caps, -0.1, 0.1));
-  }();
+  }
+  for (std::uint32_t i = 0; i <= kFacets; ++i) polygon.push_back(at(kFacets - i, kTrough));
+  for (std::uint32_t i = 0; i < kFacets; ++i) {
+    const std::uint32_t above = 2 * kFacets + 1 - i;
+    caps.push_back({i, i + 1, above - 1});
+    caps.push_back({i, above - 1, above});
+  }
+  return build_by_tolerance(make_prism(polygon, caps, -0.1, 0.1));
+}
+
+std::shared_ptr<const Model> trough_model() {
+  static const auto model = build_trough(0.0);
   return model;
 }
 
@@ -95,6 +105,26 @@ TEST(TurningContacts, AreAsFastAsATroughTurns) {
         EXPECT_FALSE(rolling.turning.motions().empty());
       }
     }
+  }
+}
+
+// Straight ahead, the ball would end the step beyond the middle of the wall, or on its other side.
+TEST(TurningContacts, LeadAlongAThinTrough) {
+  static const auto trough = build_trough(0.008);
+  constexpr double kWay = kTrough - kBall;
+  for (const double speed : {0.8, 1.1, 1.3, 1.5}) {
+    // Along the normal of the start, to where the step ends on the trough.
+    const double turn = kWay - std::sqrt(kWay * kWay - speed * speed * kStep * kStep);
+    EXPECT_NEAR(Rolling(trough, kLowest, {speed, 0, 0}).turn(), turn, 0.05 * turn)
+        << speed << " m/s";
+  }
+}
+
+TEST(TurningContacts, AreFoundOnABallThatSpinsFast) {
+  const double turn = std::hypot(kTrough - kBall, kStep) - (kTrough - kBall);
+  for (const double spin : {0.0, 30.0, 60.0, 120.0}) {
+    const Rolling rolling(trough_model(), kLowest, {1, 0, 0}, {0, 0.6 * spin, 0.8 * spin});
+    EXPECT_NEAR(rolling.turn(), turn, 0.03 * turn) << spin << " rad/s";
   }
 }
 

@@ -1,4 +1,4 @@
-"""Round bodies keep their speed along concave surfaces: bowls, bends, bearings and waves."""
+"""Round bodies keep their speed along concave surfaces: bowls, bends, channels, bearings and waves."""
 
 from __future__ import annotations
 
@@ -104,6 +104,51 @@ def test_a_ball_slides_through_a_bend(rate: int, heading: float) -> None:
     assert np.linalg.norm(body.linear_velocity) == pytest.approx(0.59, rel=0.03)
     assert math.hypot(*body.position[:2]) == pytest.approx(0.1, abs=0.001)
     assert body.position[2] == pytest.approx(0.01, abs=0.0005)
+
+
+@cache
+def helix() -> vx.Model:
+    """A half-round channel, 16 mm in radius with a wall of 3 mm, that winds down around z three times."""
+    turns, radius, pitch, inner, wall = 3, 0.1, 0.08, 0.016, 0.003
+    t = np.linspace(0.0, 2.0 * math.pi * turns, 240 * turns + 1)
+    a = np.linspace(math.pi, 2.0 * math.pi, 25)
+    arc = np.column_stack([np.cos(a), np.sin(a)])
+    section = np.concatenate([inner * arc, (inner + wall) * arc[::-1]])
+    aside = np.column_stack([np.cos(t), np.sin(t), np.zeros_like(t)])
+    center = radius * aside - np.outer(t, (0.0, 0.0, pitch / (2.0 * math.pi)))
+    corners = center[:, None] + section[:, :1] * aside[:, None] + section[:, 1:] * (0.0, 0.0, 1.0)
+    count = len(section)
+    i, j = (each.ravel() for each in np.indices((len(t) - 1, count)))
+    lower, upper = i * count + j, i * count + (j + 1) % count
+    sides = [(lower, upper, upper + count), (lower, upper + count, lower + count)]
+    k = np.arange(len(a) - 1)
+    cap = np.column_stack([k, count - 1 - k, count - 2 - k, k, count - 2 - k, k + 1])
+    ends = np.concatenate([cap, cap[:, ::-1] + (len(t) - 1) * count]).reshape(-1, 3)
+    faces = np.concatenate([*(np.column_stack(side) for side in sides), ends])
+    mesh = trimesh.Trimesh(corners.reshape(-1, 3), faces, process=False)
+    mesh.fix_normals()
+    assert mesh.is_watertight
+    return vx.Model.from_mesh(mesh)
+
+
+# At 60 Hz, where it moves by 21 mm a step, it stopped within the wall; at 100 and 200 Hz, the wall
+# ahead took up to a sixth of its speed in a step.
+@pytest.mark.parametrize("start", [0.2, 0.4])
+@pytest.mark.parametrize("rate", [200, 100, 60])
+@pytest.mark.parametrize("shape", ["model", "sphere"])
+def test_a_ball_runs_down_a_helical_channel(shape: str, rate: int, start: float) -> None:
+    world = vx.World(time_step=1 / rate)
+    world.add(helix(), mass=0)
+    pose = (0.1 * math.cos(start), 0.1 * math.sin(start), -0.0058 - 0.08 * start / (2 * math.pi))
+    body = world.add(ball(0.01) if shape == "model" else vx.Sphere(0.01), mass=0.03, pose=pose)
+    speed = 0.0
+    while body.position[2] > -0.22:
+        world.step()
+        now = float(np.linalg.norm(body.linear_velocity))
+        assert now > speed - 0.03
+        speed = now
+    assert world.time < 2.5
+    assert speed > 1.2
 
 
 def test_elastic_balls_roll_in_a_trough_without_bouncing() -> None:
