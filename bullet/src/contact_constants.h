@@ -103,7 +103,8 @@ inline constexpr double kSlidesWithinOfTurn = 0.1;
 /// Deeper in a wall than by this fraction of its thickness, its other side is near. Larger: what
 /// turns at the end of a step is not found. Smaller: in close bores, the wall opposite is.
 inline constexpr double kDeepInWall = 0.25;
-/// A place of a body that spins slides on by at most this at once, radians. Larger: it is not found.
+/// A place of a body that spins slides on by at most this at once, radians. Larger: it is not
+/// found.
 inline constexpr double kMostTurnOfSlide = 0.25;
 /// A surface that bends evenly has come nearer by a quarter when half of the step is over. It may
 /// be off by this fraction of the whole. Larger: walls ahead are taken for bends, and entered.
@@ -580,13 +581,17 @@ inline constexpr double kReturnOfParting = 5.0;
 /// Bodies that turn may end a step in each other by this fraction of the smaller one's size.
 /// Smaller: more steps are solved twice.
 inline constexpr double kEndOfSize = 0.001;
+/// Bodies that turn by more, radians, are left: where the step ends says nothing of how they got
+/// there. Larger: needles that spin about their axis fall through slabs at 30 Hz.
+inline constexpr double kMostAngleOfEnd = 1.5;
 /// Turning moves a place that touches along its normal by at least this fraction of the depth.
 /// Smaller: wheels that roll over waves are braked.
 inline constexpr double kLeastByTurning = 0.5;
-/// A body is round if its depth changes by less than this fraction of the smaller body's size, from
-/// a tenth to a half of the depth, where it does not turn or turns by half. Smaller: what has facets
-/// is braked where it rolls over waves or in a half-pipe. Larger: eggs and boxes land deeper.
-inline constexpr double kSameOfSize = 0.002;
+/// A body is round if its depth changes by less than this fraction of half the smaller body's
+/// shortest side, from a tenth to a half of the depth, where it does not turn or turns by half.
+/// Smaller: what has facets is braked where it rolls over waves or in a half-pipe. Larger: eggs and
+/// boxes land deeper.
+inline constexpr double kSameOfThickness = 0.002;
 inline constexpr double kLeastSameOfDepth = 0.1;
 inline constexpr double kMostSameOfDepth = 0.5;
 /// How often a step is solved at most for bodies that turn. Fewer: capsules that a blow turns are

@@ -147,6 +147,15 @@ btScalar farthest_of(const btManifoldArray& manifolds, const Posed& a, const Pos
   return farthest;
 }
 
+/// Half of a body's shortest side.
+btScalar thickness_of(const btRigidBody& body) {
+  btVector3 low;
+  btVector3 high;
+  body.getCollisionShape()->getAabb(btTransform::getIdentity(), low, high);
+  const btVector3 sides = high - low;
+  return btScalar(0.5) * sides[sides.minAxis()];
+}
+
 /// A contact with what another one of the pair says of its bodies' materials.
 btManifoldPoint make_point(const btManifoldPoint& like, const Posed& first, const Posed& second,
                            const Overlap& overlap, btScalar distance) {
@@ -192,8 +201,9 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
                            btCollisionDispatcher& dispatcher, const btDispatcherInfo& info) {
   const btScalar time_step = info.m_timeStep;
   const btScalar angle = (a.getAngularVelocity() - b.getAngularVelocity()).length() * time_step;
+  if (!(angle > 0) || angle > static_cast<btScalar>(kMostAngleOfEnd)) return false;
   // A blow would rebound.
-  if (!(angle > 0) || gCalculateCombinedRestitutionCallback(&a, &b) > 0) return false;
+  if (gCalculateCombinedRestitutionCallback(&a, &b) > 0) return false;
   manifolds_.resize(0);
   algorithm.getAllContactManifolds(manifolds_);
   btScalar allowed = 0;  // what is in the other body already is left to the next step
@@ -204,8 +214,10 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
   });
   if (known == nullptr) return false;
   const btManifoldPoint like = *known;
-  const btScalar size = std::min(a.getCollisionShape()->getAngularMotionDisc(),
-                                 b.getCollisionShape()->getAngularMotionDisc());
+  const btScalar size_of_a = a.getCollisionShape()->getAngularMotionDisc();
+  const btScalar size_of_b = b.getCollisionShape()->getAngularMotionDisc();
+  const btScalar size = std::min(size_of_a, size_of_b);
+  const btRigidBody& smaller = size_of_a < size_of_b ? a : b;
   const btScalar least = static_cast<btScalar>(kEndOfSize) * size;
   const Posed start_a{a, a.getWorldTransform()};
   const Posed start_b{b, b.getWorldTransform()};
@@ -225,7 +237,7 @@ bool StepEnd::add_contacts(btCollisionAlgorithm& algorithm, btRigidBody& a, btRi
       time_step;
   if (by_turning < static_cast<btScalar>(kLeastByTurning) * depth) return false;
   // Facets do, a little. Others may be as deep by chance, with another place, but not on the way.
-  const btScalar same = btClamped(static_cast<btScalar>(kSameOfSize) * size,
+  const btScalar same = btClamped(static_cast<btScalar>(kSameOfThickness) * thickness_of(smaller),
                                   static_cast<btScalar>(kLeastSameOfDepth) * depth,
                                   static_cast<btScalar>(kMostSameOfDepth) * depth);
   const auto is_as_deep_turned_for = [&](btScalar time) {

@@ -122,6 +122,15 @@ TEST(StepEnd, ContactsHaveTheGapThatLeavesTheDepthOfTheStepsEnd) {
   EXPECT_EQ(added.m_combinedRestitution, 0);
 }
 
+TEST(StepEnd, LeavesBodiesThatTurnByFarTooMuch) {
+  OnASlab<btDiscreteDynamicsWorld> scene(ellipsoid_model(), 0.0);
+  scene.world.step(2, kStep);
+  scene.body->setAngularVelocity(btVector3(0, scalar(1.4 / kStep), 0));
+  EXPECT_TRUE(scene.add_contacts());
+  scene.body->setAngularVelocity(btVector3(0, scalar(1.6 / kStep), 0));
+  EXPECT_FALSE(scene.add_contacts());
+}
+
 TEST(StepEnd, LeavesRoundBodiesAndThoseThatRebound) {
   OnASlab<btDiscreteDynamicsWorld> round(round_model(), 0.0);
   round.world.step(2, kStep);
