@@ -136,11 +136,9 @@ def make_client() -> Open:
 def prepare() -> Check:
     warnings.simplefilter("ignore")
     watched = Watched()
-    openers: dict[str, Open] = {
-        entrance: make_opener(entrance, watched)
-        for entrance in ("mesh", "urdf", "mjcf", "scene", "model", "poses")
-    }
-    openers |= {"arguments": make_caller(), "viewer": make_client()}
+    openers: dict[str, Open] = {"arguments": make_caller(), "viewer": make_client()}
+    for entrance in dict.fromkeys(ENTRANCES):
+        openers.setdefault(entrance, make_opener(entrance, watched))
 
     def check(case: int) -> Outcome:
         rng = np.random.default_rng([case, 11])
