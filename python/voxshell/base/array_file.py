@@ -35,6 +35,9 @@ _ARCHIVE = b"PK"
 _MOST_BYTES = 4 << 30
 """Largest file, and largest sum of its arrays, that is read."""
 
+_MOST_OF_HEADER = 64 << 20
+"""Largest header, bytes."""
+
 _DAMAGED = (
     zipfile.BadZipFile,
     zlib.error,
@@ -98,15 +101,10 @@ class FileKind:
         """
         content = read_small_file(path, _MOST_BYTES, self.name)
         try:
-            arrays = _read_arrays(content, path)
-            header = json.loads(arrays["header"].tobytes())
-            if not isinstance(header, dict) or header.get("format") != f"voxshell {self.name}":
-                raise ValueError(f"it is not a {self.name} of voxshell")
-            if header.get("version") != self.version:
-                raise ValueError(
-                    f"it has version {header.get('version')!r}; this package reads version {self.version}"
-                )
-            return make(header, arrays)
+            _check_sizes(content, path)
+            with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+                header = self._read_header(arrays)
+                return make(header, {name: _read_array(arrays, name) for name in arrays.files})
         except MemoryError as error:
             raise MemoryLimitError(f"no memory left for the {self.name} {path}") from error
         except MemoryLimitError:
@@ -115,6 +113,17 @@ class FileKind:
             raise self.error(
                 f"cannot read the {self.name} {path}: {self._explain(error, content)}"
             ) from error
+
+    def _read_header(self, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return the header, which is read before the arrays: those of other files may take long."""
+        header = json.loads(_read_array(arrays, "header").tobytes())
+        if not isinstance(header, dict) or header.get("format") != f"voxshell {self.name}":
+            raise ValueError(f"it is not a {self.name} of voxshell")
+        if header.get("version") != self.version:
+            raise ValueError(
+                f"it has version {header.get('version')!r}; this package reads version {self.version}"
+            )
+        return header
 
     def _explain(self, error: Exception, content: bytes) -> str:
         """Return what is wrong with the content of a file."""
@@ -125,17 +134,29 @@ class FileKind:
         return f"it has no {error}" if isinstance(error, KeyError) else str(error)
 
 
-def _read_arrays(content: bytes, path: Path) -> Mapping[str, NDArray[Any]]:
-    """Return all arrays of a file, whose sizes are checked first."""
+def _check_sizes(content: bytes, path: Path) -> None:
+    """Refuse a file whose arrays are too large.
+
+    Raises:
+        MemoryLimitError: They have more than 4 GiB.
+        ValueError: The header is larger than any that is written.
+    """
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        size = sum(member.file_size for member in archive.infolist())
+        members = archive.infolist()
+    size = sum(member.file_size for member in members)
     if size > _MOST_BYTES:
         raise MemoryLimitError(
             f"{path} holds {size / 1e9:.3g} GB of arrays; at most {_MOST_BYTES / 1e9:.3g} GB are read"
         )
-    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-        found = {name: arrays[name] for name in arrays.files}
-    for name, array in found.items():
-        if not isinstance(array, np.ndarray):  # NumPy returns the bytes of other files
-            raise ValueError(f"its {show_value(name)} is not an array")
-    return found
+    of_header = [member.file_size for member in members if member.filename == "header.npy"]
+    if max(of_header, default=0) > _MOST_OF_HEADER:
+        raise ValueError(f"its header has more than {_MOST_OF_HEADER / 1e6:.3g} MB")
+
+
+def _read_array(arrays: Mapping[str, NDArray[Any]], name: str) -> NDArray[Any]:
+    if name not in arrays:
+        raise KeyError(name)
+    array = arrays[name]
+    if not isinstance(array, np.ndarray):  # NumPy returns the bytes of other files
+        raise ValueError(f"its {show_value(name)} is not an array")
+    return array

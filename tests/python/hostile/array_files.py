@@ -192,6 +192,7 @@ def list_damaged(entrance: str) -> Iterator[tuple[str, Content]]:
     yield "an archive of a text", zipped({"readme.txt": "hello"})
     yield "an archive within an archive", lambda: zipped({"header.npy": sound(entrance)})
     yield "1 GiB of zeros", lambda: zip_of_zeros("bodies.npy", 1 << 30)
+    yield "1 GiB of zeros as its header", lambda: zip_of_zeros("header.npy", 1 << 30)
 
 
 def list_cases() -> Iterator[Case]:
