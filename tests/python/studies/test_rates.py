@@ -98,8 +98,8 @@ def test_shown_falls_are_those_of_their_rule(results):
     mesh = SETTINGS.build_mesh()
     depths = {}
     for number, case in enumerate(rates.SHOWN):
-        pose = read_poses({"poses": results["shown"][f"{number}_poses"]}, "bunny")[-1]
-        depths[case] = -find_lowest(mesh, pose)
+        poses = read_poses({"poses": results["shown"][f"{number}_poses"]}, "bunny")
+        depths[case] = -min(find_lowest(mesh, pose) for pose in poses)
     assert depths["voxshell", "auto", 10.0] < SETTINGS.voxel_size
     assert depths["published", "level 1", 10.0] > 5 * SETTINGS.voxel_size
 
